@@ -1,0 +1,30 @@
+#pragma once
+#include <numbers>
+
+/// Transcendental functions with the same bits on every x86-64 processor. The C library's differ between processors
+/// with and without fused multiply-add. Within 1 unit in the last place; sqrt of <cmath> is exact everywhere as it is.
+namespace anthesis::math {
+
+inline constexpr double kPi = std::numbers::pi;
+inline constexpr double kTurnRad = 2.0 * std::numbers::pi;
+
+constexpr double radians(double degrees) { return degrees * (kPi / 180.0); }
+constexpr double degrees(double radians) { return radians * (180.0 / kPi); }
+
+struct SinCos {
+  double sin;
+  double cos;
+};
+
+double sin(double angle_rad);
+double cos(double angle_rad);
+SinCos sin_cos(double angle_rad);  ///< both for little more than the price of one
+double tan(double angle_rad);
+double asin(double x);
+double acos(double x);
+double atan2(double y, double x);
+double exp(double x);
+double log(double x);
+double pow(double x, double y);
+
+}  // namespace anthesis::math

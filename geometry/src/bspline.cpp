@@ -1,0 +1,43 @@
+#include "anthesis/geometry/bspline.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace anthesis {
+
+std::vector<double> clamped_knots(int control_points, int degree) {
+  const int pieces = control_points - degree;
+  std::vector<double> knots(static_cast<std::size_t>(pieces) + 1);
+  for (int i = 0; i <= pieces; ++i) {
+    knots[i] = static_cast<double>(i) / pieces;
+  }
+  return knots;
+}
+
+BasisFunctions clamped_basis(int control_points, int degree, double t) {
+  ANTHESIS_ASSERT(degree >= 1 && degree <= kMaxDegree && control_points > degree);
+  const int pieces = control_points - degree;
+  t = std::clamp(t, 0.0, 1.0);
+  const int piece = std::min(static_cast<int>(t * pieces), pieces - 1);
+  const double x = t * pieces;  // knots at the integers 0 .. pieces, clamped outside
+  const auto knot = [&](int i) { return static_cast<double>(std::clamp(i, 0, pieces)); };
+
+  BasisFunctions basis;
+  basis.first = piece;
+  basis.count = degree + 1;
+  basis.weight[0] = 1.0;
+  for (int d = 1; d <= degree; ++d) {
+    double carried = 0.0;
+    for (int r = 0; r < d; ++r) {
+      const double right = knot(piece + r + 1) - x;
+      const double left = x - knot(piece + 1 - d + r);
+      const double share = basis.weight[r] / (right + left);
+      basis.weight[r] = carried + right * share;
+      carried = left * share;
+    }
+    basis.weight[d] = carried;
+  }
+  return basis;
+}
+
+}  // namespace anthesis

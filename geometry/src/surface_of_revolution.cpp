@@ -1,0 +1,61 @@
+#include "anthesis/geometry/surface_of_revolution.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "anthesis/base/math.h"
+
+namespace anthesis {
+
+SurfaceOfRevolution::SurfaceOfRevolution(std::vector<Vec2> controls_mm, int degree) {
+  profile_.degree = degree;
+  profile_.controls = std::move(controls_mm);
+  const std::vector<double> knots = profile_.knots();
+  length_ = CumulativeIntegral([this](double t) { return speed_mm(t); }, knots);
+  area_ = CumulativeIntegral([this](double t) { return math::kTurnRad * radius_mm(t) * speed_mm(t); }, knots);
+}
+
+double SurfaceOfRevolution::speed_mm(double t) const { return length(profile_.derivative(t)); }
+
+SurfaceFrame SurfaceOfRevolution::frame(double t, double azimuth_rad) const {
+  const Vec2 point = profile_.at(t);
+  Vec2 along = profile_.derivative(t);
+  if (!(length(along) > 0.0)) {  // coincident control points: the chord to either side tells the direction
+    along = profile_.at(std::min(t + 1e-6, 1.0)) - profile_.at(std::max(t - 1e-6, 0.0));
+  }
+  along = normalized(along);
+  const auto [sine, cosine] = math::sin_cos(azimuth_rad);
+  const Vec3 outward{cosine, sine, 0.0};
+  SurfaceFrame frame;
+  frame.position_mm = {point.x * cosine, point.x * sine, point.y};
+  frame.meridian = along.x * outward + Vec3{0.0, 0.0, along.y};
+  frame.parallel = {-sine, cosine, 0.0};
+  frame.normal = -along.y * outward + Vec3{0.0, 0.0, along.x};
+  return frame;
+}
+
+std::optional<Error> check_profile(std::span<const Vec2> controls_mm, std::string_view where) {
+  if (controls_mm.size() < 2) {
+    return invalid_parameter(where, "must have at least 2 points", static_cast<double>(controls_mm.size()));
+  }
+  double widest = 0.0;
+  for (const Vec2 point : controls_mm) {
+    if (!std::isfinite(point.x) || !std::isfinite(point.y)) {
+      return invalid_parameter(where, "must have finite points", std::isfinite(point.x) ? point.y : point.x);
+    }
+    if (point.x < 0.0) {
+      return invalid_parameter(where, "must have radii >= 0", point.x);
+    }
+    widest = std::max(widest, point.x);
+  }
+  if (!(widest > 0.0)) {
+    return invalid_parameter(where, "must leave the axis: one radius must be > 0", widest);
+  }
+  const auto same = [&](Vec2 point) { return point == controls_mm.front(); };
+  if (std::all_of(controls_mm.begin(), controls_mm.end(), same)) {
+    return invalid_parameter(where, "must have two different points", controls_mm.front().x);
+  }
+  return std::nullopt;
+}
+
+}  // namespace anthesis
