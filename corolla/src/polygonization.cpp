@@ -33,14 +33,21 @@ int vertices_across(double eta, double detail) {
 FlatMesh polygonize(const FunctionGraph& spacing, const FunctionGraph& vertices, double detail) {
   FlatMesh mesh;
   mesh.rows = vertex_rows(spacing, detail);
+  // The triangulation is found with the rows moved one unit of u apart. Then no circle through neighbours in two rows
+  // reaches a third, whatever lambda and eta are; with the bare v, rows close together near a pointed tip would be
+  // skipped by long triangles that fold over where the petal curls.
+  const auto intervals = static_cast<double>(mesh.rows.size() - 1);
+  std::vector<Vec2> apart;
   for (std::size_t j = 0; j < mesh.rows.size(); ++j) {
     const bool end = j == 0 || j + 1 == mesh.rows.size();
     const int across = std::max(vertices_across(vertices(mesh.rows[j]), detail), end ? 1 : 2);
     for (int i = 0; i < across; ++i) {
-      mesh.uvs.push_back({across == 1 ? 0.5 : static_cast<double>(i) / (across - 1), mesh.rows[j]});
+      const double u = across == 1 ? 0.5 : static_cast<double>(i) / (across - 1);
+      mesh.uvs.push_back({u, mesh.rows[j]});
+      apart.push_back({0.5 + (u - 0.5) / intervals, static_cast<double>(j) / intervals});
     }
   }
-  mesh.triangles = delaunay(mesh.uvs);
+  mesh.triangles = delaunay(apart);
   return mesh;
 }
 

@@ -58,6 +58,7 @@ PoseBlend::PoseBlend(std::vector<double> stages, std::vector<ControlMesh> meshes
         line[j] = mesh.at(j, i);
       }
       columns.push_back(to_intrinsic(line));
+      pointed_ = pointed_ && mesh.at(along() - 1, i) == mesh.at(along() - 1, 0);
     }
   }
 }
@@ -78,6 +79,16 @@ ControlMesh PoseBlend::at(double stage) const {
     from_intrinsic(blend(columns_[after - 1][i], columns_[after][i], share), line);
     for (int j = 0; j < along(); ++j) {
       mesh.at(j, i) = line[j];
+    }
+  }
+  if (pointed_) {
+    const Vec3 tip = mesh.at(along() - 1, across() / 2);
+    for (int i = 0; i < across(); ++i) {
+      const Vec3 miss = tip - mesh.at(along() - 1, i);
+      for (int j = 1; j < along(); ++j) {
+        mesh.at(j, i) += (static_cast<double>(j) / (along() - 1)) * miss;
+      }
+      mesh.at(along() - 1, i) = tip;
     }
   }
   return mesh;

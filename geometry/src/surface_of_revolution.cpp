@@ -20,8 +20,9 @@ double SurfaceOfRevolution::speed_mm(double t) const { return length(profile_.de
 SurfaceFrame SurfaceOfRevolution::frame(double t, double azimuth_rad) const {
   const Vec2 point = profile_.at(t);
   Vec2 along = profile_.derivative(t);
-  if (!(length(along) > 0.0)) {  // coincident control points: the chord to either side tells the direction
-    along = profile_.at(std::min(t + 1e-6, 1.0)) - profile_.at(std::max(t - 1e-6, 0.0));
+  // Where control points coincide the derivative vanishes: the shortest chord about t tells the direction.
+  for (double reach = 1e-6; !(length(along) > 0.0) && reach < 4.0; reach *= 4.0) {
+    along = profile_.at(std::min(t + reach, 1.0)) - profile_.at(std::max(t - reach, 0.0));
   }
   along = normalized(along);
   const auto [sine, cosine] = math::sin_cos(azimuth_rad);

@@ -11,16 +11,21 @@ std::size_t place_organs(const SurfaceOfRevolution& surface, std::span<const dou
                          SpiralDirection direction, std::span<double> t) {
   ANTHESIS_ASSERT(t.size() >= areas_mm2.size());
   const double whole = surface.area_mm2();
-  // Rounding of a long sum must not cost the last organ of a surface that was made to fit.
+  // Rounding must not cost the last organ of a surface that was made to fit; a compensated sum (Kahan) keeps it small
+  // however many organs there are.
   const double room = whole * (1.0 + 1e-12);
   double used = 0.0;
+  double lost = 0.0;
   for (std::size_t i = 0; i < areas_mm2.size(); ++i) {
-    if (used + areas_mm2[i] > room) {
+    const double step = areas_mm2[i] - lost;
+    const double next = used + step;
+    if (next > room) {
       return i;
     }
-    const double middle = used + 0.5 * areas_mm2[i];
+    const double middle = used + 0.5 * step;
     t[i] = surface.t_from_area_mm2(direction == SpiralDirection::kFromApex ? middle : whole - middle);
-    used += areas_mm2[i];
+    lost = (next - used) - step;
+    used = next;
   }
   return areas_mm2.size();
 }

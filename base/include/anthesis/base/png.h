@@ -23,7 +23,8 @@ struct PngOptions {
 /// The bytes of an 8-bit PNG. `pixels` holds the rows, top row first, `channels` (3: RGB, 4: RGBA) bytes a pixel,
 /// without padding. Carries no time of writing: equal pixels and options give equal bytes.
 ///
-/// Errors: kInvalidParameter if the size of `pixels` does not fit, kTooLarge above 65,535 pixels a side, kIo from libpng.
+/// Errors: kInvalidParameter if the size of `pixels` does not fit, kTooLarge above 65,535 pixels a side, kIo from
+/// libpng.
 Expected<std::string> encode_png(std::span<const std::uint8_t> pixels, std::uint32_t width, std::uint32_t height,
                                  int channels, const PngOptions& options = {});
 

@@ -22,7 +22,8 @@ std::vector<double> vertex_rows(const FunctionGraph& spacing, double detail);
 /// 1 where eta(v) <= 1, which is allowed at base and tip: the petal ends in a point there.
 int vertices_across(double eta, double detail);
 
-/// The polygonization of O16 section 2: rows by lambda(v), ceil(eta(v)) equidistant vertices in each, Delaunay in (u, v).
+/// The polygonization of O16 section 2: rows by lambda(v), ceil(eta(v)) equidistant vertices in each, Delaunay in (u, v)
+/// with v stretched so that rows are one unit of u apart: triangles then join neighbouring rows only.
 /// Interior rows have at least two vertices, so that both margins are edges of the mesh.
 FlatMesh polygonize(const FunctionGraph& spacing, const FunctionGraph& vertices, double detail);
 

@@ -32,12 +32,16 @@ class PoseBlend {
   int along() const { return meshes_.front().along; }
 
   /// The control mesh at `stage`; a pose exactly at its own stage, the nearest pose before the first and after the last.
+  ///
+  /// Columns blended one by one need not meet again in the tip of a pointed petal. Where all poses are pointed, each
+  /// column's small miss against the middle one is spread over its length, so that the margins do not cross at the tip.
   ControlMesh at(double stage) const;
 
  private:
   std::vector<double> stages_;
   std::vector<ControlMesh> meshes_;
   std::vector<std::vector<IntrinsicPolyline>> columns_;  ///< by pose, by column
+  bool pointed_ = true;                                  ///< the last row is one point in every pose
 };
 
 }  // namespace anthesis
