@@ -29,8 +29,7 @@ struct Copy {
 
 /// A set of petals: its poses and where its vertices are.
 struct PetalSurface {
-  explicit PetalSurface(PoseBlend blend) : poses(std::move(blend)) {}
-  PoseBlend poses;
+  std::vector<PoseBlend> poses;  ///< of plain copies; then, if there are any, of mirrored ones before they are mirrored
   int ring = 1;          ///< petals around the axis, for fused margins
   int fused = 0;
   int fused_with = -1;   ///< index of an earlier surface, or -1
@@ -88,7 +87,8 @@ struct OrganTemplate::State {
   void end_group();
   std::uint32_t append(const FlatMesh& flat, bool mirrored);
   void join(std::uint32_t a, std::uint32_t b);
-  ControlMesh controls(std::size_t surface, double stage, std::vector<std::optional<ControlMesh>>& known) const;
+  ControlMesh controls(std::size_t surface, double stage, bool mirrored,
+                       std::vector<std::optional<ControlMesh>>& known) const;
 };
 
 std::span<const Triangle> OrganTemplate::triangles() const { return state_->triangles; }
@@ -164,13 +164,24 @@ void OrganTemplate::State::join(std::uint32_t a, std::uint32_t b) {
 
 void OrganTemplate::State::add(const Petals& set, const OrganShape& shape, double detail,
                                const ShapeDeviation& deviation) {
-  std::vector<double> stages;
-  std::vector<ControlMesh> meshes;
-  for (const PetalPose& pose : set.poses) {
-    stages.push_back(pose.stage);
-    meshes.push_back(control_mesh(pose, set.degree_across, deviation));
+  const auto poses_with = [&](const ShapeDeviation& own) {
+    std::vector<double> stages;
+    std::vector<ControlMesh> meshes;
+    for (const PetalPose& pose : set.poses) {
+      stages.push_back(pose.stage);
+      meshes.push_back(control_mesh(pose, set.degree_across, own));
+    }
+    return PoseBlend(std::move(stages), std::move(meshes));
+  };
+  PetalSurface surface;
+  surface.poses.push_back(poses_with(deviation));
+  if (set.mirrored) {
+    // Only the form is mirrored, not what befell the floret: its twist and sway take the other half along.
+    ShapeDeviation reflected = deviation;
+    reflected.twist_rad = -deviation.twist_rad;
+    reflected.sway_rad = -deviation.sway_rad;
+    surface.poses.push_back(poses_with(reflected));
   }
-  PetalSurface surface(PoseBlend(std::move(stages), std::move(meshes)));
   surface.ring = set.count;
   surface.fused = set.fused;
   surface.degree_across = set.degree_across;
@@ -185,8 +196,8 @@ void OrganTemplate::State::add(const Petals& set, const OrganShape& shape, doubl
   const FlatMesh flat = polygonize(FunctionGraph(rows_from->spacing), FunctionGraph(set.vertices), detail);
   surface.uvs = flat.uvs;
   for (const Vec2 uv : flat.uvs) {
-    surface.u.push_back(clamped_basis(surface.poses.across(), set.degree_across, uv.x));
-    surface.v.push_back(clamped_basis(surface.poses.along(), set.degree_along, uv.y));
+    surface.u.push_back(clamped_basis(surface.poses[0].across(), set.degree_across, uv.x));
+    surface.v.push_back(clamped_basis(surface.poses[0].along(), set.degree_along, uv.y));
   }
   begin_group(set.name, set.pigment);
   for (int side = 0; side < (set.mirrored ? 2 : 1); ++side) {
@@ -202,7 +213,7 @@ void OrganTemplate::State::add(const Petals& set, const OrganShape& shape, doubl
   end_group();
 
   // Vertices on shared margins are twins: the left margin of one petal, the right margin of the next.
-  const double until = fused_until(surface.poses.along(), set.degree_along, set.fused);
+  const double until = fused_until(surface.poses[0].along(), set.degree_along, set.fused);
   const auto margin = [](const std::vector<Vec2>& points, double u) {
     std::map<double, std::uint32_t> by_v;
     for (std::uint32_t i = 0; i < points.size(); ++i) {
@@ -304,17 +315,20 @@ void OrganTemplate::State::add(const Column& column, double detail) {
   columns.push_back(std::move(surface));
 }
 
-/// The control mesh of a set at a stage with its fused margins in place; `known` holds those already made.
-ControlMesh OrganTemplate::State::controls(std::size_t index, double stage,
+/// The control mesh of a set at a stage with its fused margins in place; `known` holds those of earlier sets.
+ControlMesh OrganTemplate::State::controls(std::size_t index, double stage, bool mirrored,
                                            std::vector<std::optional<ControlMesh>>& known) const {
   const PetalSurface& surface = petals[index];
-  ControlMesh mesh = surface.poses.at(stage);
+  ControlMesh mesh = surface.poses[mirrored ? 1 : 0].at(stage);
   if (surface.fused_with >= 0) {
-    share_margin(mesh, *known[surface.fused_with], surface.fused);
+    const ControlMesh& median = *known[surface.fused_with];
+    share_margin(mesh, mirrored ? reflected(median) : median, surface.fused);
   } else if (surface.fused > 0 && surface.ring > 1) {
     hold_in_symmetry_planes(mesh, surface.ring, surface.fused);
   }
-  known[index] = mesh;
+  if (!mirrored) {
+    known[index] = mesh;
+  }
   return mesh;
 }
 
@@ -325,12 +339,16 @@ void OrganTemplate::pose(double stage, std::span<Vec3> positions_mm, std::span<V
   std::vector<Vec3> one;
   for (std::size_t index = 0; index < state.petals.size(); ++index) {
     const PetalSurface& surface = state.petals[index];
-    const ControlMesh mesh = state.controls(index, stage, known);
     one.resize(surface.uvs.size());
-    for (std::size_t i = 0; i < one.size(); ++i) {
-      one[i] = surface_at(std::span<const Vec3>(mesh.points_mm), surface.u[i], surface.v[i], mesh.across);
-    }
+    const Copy* before = nullptr;
     for (const Copy& copy : surface.copies) {
+      if (before == nullptr || before->mirrored != copy.mirrored) {
+        const ControlMesh mesh = state.controls(index, stage, copy.mirrored, known);
+        for (std::size_t i = 0; i < one.size(); ++i) {
+          one[i] = surface_at(std::span<const Vec3>(mesh.points_mm), surface.u[i], surface.v[i], mesh.across);
+        }
+      }
+      before = &copy;
       const math::SinCos azimuth = math::sin_cos(copy.azimuth_rad);
       for (std::size_t i = 0; i < one.size(); ++i) {
         const Vec3 p = copy.mirrored ? Vec3{one[i].x, -one[i].y, one[i].z} : one[i];

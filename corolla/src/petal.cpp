@@ -95,6 +95,17 @@ ControlMesh control_mesh(const PetalPose& pose, int degree_across, const ShapeDe
   return mesh;
 }
 
+ControlMesh reflected(const ControlMesh& petal) {
+  ControlMesh image = petal;
+  for (int j = 0; j < petal.along; ++j) {
+    for (int i = 0; i < petal.across; ++i) {
+      const Vec3 p = petal.at(j, petal.across - 1 - i);
+      image.at(j, i) = {p.x, -p.y, p.z};
+    }
+  }
+  return image;
+}
+
 void hold_in_symmetry_planes(ControlMesh& petal, int count, int fused) {
   const auto [sine, cosine] = math::sin_cos(math::kPi / count);
   for (int j = 0; j < std::min(fused, petal.along); ++j) {

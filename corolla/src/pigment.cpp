@@ -13,9 +13,15 @@ namespace {
 /// Colours are mixed as square roots of linear light. Steps are then nearly even to the eye (a display's curve is close
 /// to a square root), red into yellow stays clean, and a square root is exact on every processor. A perceptual space
 /// with cube roots would look the same here and cost ten times as much.
-Colour root(Colour c) { return {std::sqrt(c.r), std::sqrt(c.g), std::sqrt(c.b)}; }
-Colour square(Colour c) { return {c.r * c.r, c.g * c.g, c.b * c.b}; }
-Colour mix(Colour a, Colour b, double t) { return (1.0 - t) * a + t * b; }
+Colour root(Colour c) {
+  return {std::sqrt(c.r), std::sqrt(c.g), std::sqrt(c.b)};
+}
+Colour square(Colour c) {
+  return {c.r * c.r, c.g * c.g, c.b * c.b};
+}
+Colour mix(Colour a, Colour b, double t) {
+  return (1.0 - t) * a + t * b;
+}
 
 double smooth_step(double t) {
   t = std::clamp(t, 0.0, 1.0);
@@ -78,7 +84,7 @@ double vein_at(int veins, Vec2 uv, std::uint32_t seed) {
   const double shift = 0.16 * (lattice(strip, 1, seed) - 0.5);
   const double wave = 0.18 * (noise(uv.y * 5.0, 4 * strip + 2, seed) - 0.5);
   const double centre = strip + 0.5 + shift + wave;
-  const double strength = 0.55 + 0.45 * lattice(strip, 2, seed);
+  const double strength = 0.7 + 0.3 * lattice(strip, 2, seed);
   const double half_width = (0.10 + 0.10 * noise(uv.y * 7.0, 4 * strip + 3, seed)) * (1.0 - 0.45 * uv.y);
   const double profile = 1.0 - smooth_step(std::abs(x - centre) / half_width);
   const double end = 0.75 + 0.35 * lattice(strip, 3, seed);  // veins do not all reach equally far
@@ -180,10 +186,10 @@ Colour colour_at(const Pigment& pigment, const PigmentVariation& variation, Vec2
   }
   colour = light * colour;
   if (pigment.veins > 0 && pigment.vein_depth > 0.0) {
-    // The strongest channel gives way only half as much as the others: a vein is deeper in colour, not grey.
+    // The strongest channel gives way less than the others: a vein is deeper in colour, not grey.
     const double depth = pigment.vein_depth * vein_at(pigment.veins, uv, variation.pattern ^ 0xB5297A4Du);
     const double strongest = std::max({colour.r, colour.g, colour.b, 1e-9});
-    const auto deepen = [&](double c) { return c * (1.0 - depth * (1.0 - 0.5 * c / strongest)); };
+    const auto deepen = [&](double c) { return c * (1.0 - depth * (1.0 - 0.3 * c / strongest)); };
     colour = {deepen(colour.r), deepen(colour.g), deepen(colour.b)};
   }
   const auto unit = [](double c) { return std::clamp(c, 0.0, 1.0); };

@@ -138,6 +138,26 @@ TEST(OrganTemplate, PetalsOfALiguleAreOneSurfaceAndMirrorImages) {
   }
 }
 
+TEST(OrganTemplate, ATwistedLiguleKeepsItsLateralPetalsBesideTheMedianOne) {
+  OrganShape shape = ligule();
+  shape.variation.twist_deg = {40, 40};
+  shape.variation.sway_deg = {25, 25};
+  const OrganTemplate organ = *OrganTemplate::build(shape, 1.0, 1, 1);
+  const Posed posed = pose_of(organ, 1.0);
+  // Along each row the three petals follow one another from left to right: no step back at the seams.
+  const TemplateGroup lateral = organ.groups()[1];
+  for (const std::uint32_t row : {2u, 5u, 8u}) {
+    const auto vertex = [&](std::uint32_t first, std::uint32_t column) { return posed.positions_mm[first + 3 * row + column]; };
+    const std::uint32_t left = lateral.first_vertex;
+    const std::uint32_t right = left + lateral.vertex_count / 2;  // mirrored: its u runs from right to left
+    const Vec3 line[] = {vertex(left, 0), vertex(left, 1), vertex(left, 2), vertex(0, 1),
+                         vertex(right, 2), vertex(right, 1), vertex(right, 0)};
+    for (int i = 1; i + 1 < 7; ++i) {
+      EXPECT_GT(dot(normalized(line[i] - line[i - 1]), normalized(line[i + 1] - line[i])), 0.7) << row << " " << i;
+    }
+  }
+}
+
 TEST(OrganTemplate, NoTriangleIsDegenerateOrInvertedAtAnyStage) {
   for (const OrganShape& shape : {tube(), ligule()}) {
     for (const double detail : {1.0, 2.0, 3.0}) {

@@ -84,16 +84,17 @@ Mesh peduncle_mesh(const Peduncle& peduncle, double length_mm, Vec2 base, double
   const double bend = math::radians(peduncle.bend_deg);
   const double slenderness = length_mm / peduncle.length_mm;  // a young stem is thinner in proportion
   for (int j = 0; j <= rings; ++j) {
-    const double along = static_cast<double>(j) / rings;
+    const double share = static_cast<double>(j) / rings;
+    const double along = share * share;  // rings stand closer where the stem widens under the head
     const auto [sine, cosine] = math::sin_cos(along * bend);
     const double path = along * length_mm;
     // Integral of the direction (-sin, -cos) along the arc.
     const Vec3 centre = std::abs(bend) < 1e-9
                             ? Vec3{0.0, 0.0, base.y - path}
                             : Vec3{-(1.0 - cosine) * length_mm / bend, 0.0, base.y - sine * length_mm / bend};
-    const double far = (1.0 - along) * (1.0 - along);
-    const double near_head = far * far * far * far;  // the flare of the head runs out within a fifth of the stem
-    const double radius = lerp(peduncle.radius_mm * slenderness, base.x, near_head);
+    // The head tapers into the stem over one of its radii: a smooth step from the rim's width to the stem's.
+    const double taper = std::clamp(1.0 - path / base.x, 0.0, 1.0);
+    const double radius = lerp(peduncle.radius_mm * slenderness, base.x, taper * taper * (3.0 - 2.0 * taper));
     const Vec3 side{cosine, 0.0, -sine};
     for (int i = 0; i <= sides; ++i) {
       const auto [s, c] = math::sin_cos(math::kTurnRad * (i % sides) / sides);

@@ -30,6 +30,9 @@ struct ShapeDeviation {
 /// `degree_across` sets the number of points of a flat section. Precondition: check(OrganShape) finds nothing.
 ControlMesh control_mesh(const PetalPose& pose, int degree_across, const ShapeDeviation& deviation = {});
 
+/// The mirror image in the plane y = 0: its left margin is the image of the right one.
+ControlMesh reflected(const ControlMesh& petal);
+
 /// Moves the first `fused` boundary points of both margins into the planes of symmetry between the `count` petals of a
 /// ring, at azimuths +pi/count and -pi/count, each at its own height and distance from the axis (O16 section 2).
 void hold_in_symmetry_planes(ControlMesh& petal, int count, int fused);
