@@ -1,0 +1,96 @@
+#pragma once
+#include <chrono>
+#include <nlohmann/json.hpp>
+#include <string>
+#include <string_view>
+#include <utility>
+
+#include "anthesis/base/error.h"
+#include "anthesis/base/progress.h"
+
+namespace anthesis::cli {
+
+/// Exit statuses; those of errors in data come from exit_code(ErrorCode).
+inline constexpr int kDone = 0;
+inline constexpr int kUsage = 2;
+inline constexpr int kMistake = 70;       // EX_SOFTWARE of sysexits.h
+inline constexpr int kSystemFailed = 71;  // EX_OSERR
+
+/// Why a command stops: the exit status, and the sentence that follows "anthesis: ".
+struct Failure {
+  int status = kUsage;
+  std::string message;
+};
+
+Failure usage(std::string message);
+Failure failure(const Error& error);
+
+/// Standard error for people: one line of progress that is rewritten, only if it is a terminal; and Ctrl-C.
+class Console {
+ public:
+  Console();
+  ~Console();
+  Console(const Console&) = delete;
+  Console& operator=(const Console&) = delete;
+
+  bool on_terminal() const { return on_terminal_; }
+
+  /// For the library's long stages. Answers "stop" after Ctrl-C; a second Ctrl-C ends the program at once.
+  Progress progress();
+
+  /// A line on standard error; progress makes way for it.
+  void say(std::string_view line);
+
+ private:
+  using Clock = std::chrono::steady_clock;
+
+  void draw(std::string_view stage, double fraction);
+  void clear();
+
+  bool on_terminal_ = false;
+  bool drawn_ = false;
+  std::string stage_;
+  Clock::time_point stage_began_ = Clock::now();
+  Clock::time_point last_drawn_ = Clock::now();
+};
+
+/// What --json prints: one object. Also measures how long each stage takes.
+class Report {
+ public:
+  nlohmann::ordered_json values = nlohmann::ordered_json::object();
+
+  /// Runs `work`, and adds the time it took to `stage`.
+  template <class Work>
+  auto time(const char* stage, Work&& work) {
+    const Stopwatch stopwatch(*this, stage);
+    return std::forward<Work>(work)();
+  }
+
+  void add_output(const std::string& path, std::string_view bytes);
+
+  /// The object with `seconds` and `outputs`, as one line.
+  std::string text() const;
+
+ private:
+  using Clock = std::chrono::steady_clock;
+
+  struct Stopwatch {
+    Stopwatch(Report& r, const char* s) : report(r), stage(s) {}
+    ~Stopwatch();
+    Stopwatch(const Stopwatch&) = delete;
+    Stopwatch& operator=(const Stopwatch&) = delete;
+
+    Report& report;
+    const char* stage;
+    Clock::time_point began = Clock::now();
+  };
+
+  Clock::time_point began_ = Clock::now();
+  nlohmann::ordered_json seconds_ = nlohmann::ordered_json::object();
+  nlohmann::ordered_json outputs_ = nlohmann::ordered_json::array();
+};
+
+/// Writes to standard output and sees that it arrived.
+void print(std::string_view text);
+
+}  // namespace anthesis::cli

@@ -1,0 +1,99 @@
+#include "picture_options.h"
+
+#include <array>
+
+#include "anthesis/base/math.h"
+#include "anthesis/base/version.h"
+
+namespace anthesis::cli {
+namespace {
+
+constexpr std::uint64_t kSmallestSide = 16;
+constexpr std::uint64_t kLargestSide = 8192;
+
+std::string one_of(std::string_view flag, const std::string& word, std::span<const std::string_view> words) {
+  for (const std::string_view allowed : words) {
+    if (word == allowed) {
+      return word;
+    }
+  }
+  std::string list;
+  for (std::size_t i = 0; i < words.size(); ++i) {
+    list += (i == 0 ? "" : i + 1 == words.size() ? " or " : ", ") + std::string(words[i]);
+  }
+  throw usage(std::string(flag) + " must be " + list + ", got " + word);
+}
+
+}  // namespace
+
+void PictureOptions::add_to(CLI::App& app) {
+  app.add_option("--view", view, "top, side, front or three-quarter, which is taken if left out")->type_name("NAME");
+  add_number(app, "--azimuth-deg", azimuth_deg, {-360.0, 360.0}, "Direction of the camera about the stem, in degrees");
+  add_number(app, "--elevation-deg", elevation_deg, {-90.0, 90.0}, "Height of the camera above the level, in degrees");
+  app.add_option("--size", size, "Pixels: 800, or 1200x800 (width x height) [16 to 8192], 1200 if left out")
+      ->type_name("N");
+  app.add_option("--quality", quality, "draft (seconds) or final (a minute), which is taken if left out")
+      ->type_name("NAME");
+  add_whole(app, "--samples", samples, 1, 4096, "Light paths per pixel, in place of the quality's own number");
+  add_number(app, "--exposure", exposure, {-10.0, 10.0}, "Brighter or darker, in stops");
+  app.add_option("--backdrop", backdrop, "light, dark or none (transparent); light if left out")->type_name("NAME");
+  app.add_flag("--ground", ground, "Let the plant stand on a ground that takes its shadow");
+}
+
+Photographer::Photographer(const PictureOptions& options) : exposure_ev_(options.exposure) {
+  constexpr std::array<std::string_view, 4> kViews = {"top", "side", "front", "three-quarter"};
+  view_ = value_of(parse_view(one_of("--view", options.view, kViews)));
+  if (options.azimuth_deg) {
+    view_.azimuth_rad = math::radians(*options.azimuth_deg);
+  }
+  if (options.elevation_deg) {
+    view_.elevation_rad = math::radians(*options.elevation_deg);
+  }
+
+  const std::string_view size = options.size;
+  const std::size_t cross = size.find('x');
+  const auto side = [&](std::string_view part) {
+    return static_cast<int>(parse_whole("--size", part, kSmallestSide, kLargestSide, size));
+  };
+  const int width = side(size.substr(0, cross));
+  const int height = cross == std::string_view::npos ? width : side(size.substr(cross + 1));
+  constexpr std::array<std::string_view, 2> kQualities = {"draft", "final"};
+  render_ = one_of("--quality", options.quality, kQualities) == "draft" ? RenderOptions::draft(width, height)
+                                                                        : RenderOptions::final_quality(width, height);
+  if (options.samples) {
+    render_.samples = *options.samples;
+    render_.denoise = render_.denoise && render_.samples >= 2;
+  }
+
+  constexpr std::array<std::string_view, 3> kBackdrops = {"light", "dark", "none"};
+  const std::string backdrop = one_of("--backdrop", options.backdrop, kBackdrops);
+  scene_.backdrop = backdrop == "light" ? Backdrop::light() : backdrop == "dark" ? Backdrop::dark() : Backdrop::none();
+  scene_.ground = options.ground;
+}
+
+std::string Photographer::take(const Development& development, double time, double framed_time,
+                               const Progress& progress) {
+  Scene scene = make_scene(development, development.at(time), scene_);
+  const Camera camera =
+      frame(time == framed_time ? scene : make_scene(development, development.at(framed_time), scene_), view_,
+            render_.width, render_.height);
+  scene.lighting = studio_lighting(camera);
+  RenderOptions options = render_;
+  options.exposure = metered_exposure(scene.lighting, camera) * math::pow(2.0, exposure_ev_);
+  return value_of(encode_png(value_of(trace(scene, camera, options, progress)), provenance_texts(development, time)));
+}
+
+std::vector<PngText> provenance_texts(const Development& development, double time) {
+  const Species& species = development.species();
+  std::vector<PngText> texts = {{"Software", std::string("Anthesis ") + kVersion},
+                                {"Species", species.name},
+                                {"Seed", std::to_string(development.options().seed)},
+                                {"Detail", to_text(development.options().detail)},
+                                {"Time", to_text(time)}};
+  if (!species.sha256.empty()) {
+    texts.push_back({"Species-SHA256", species.sha256});
+  }
+  return texts;
+}
+
+}  // namespace anthesis::cli

@@ -1,0 +1,86 @@
+#include <fmt/format.h>
+
+#include <array>
+#include <optional>
+
+#include "anthesis/base/parallel.h"
+#include "growth.h"
+#include "outputs.h"
+#include "picture_options.h"
+
+namespace anthesis::cli {
+namespace {
+
+constexpr std::array<std::string_view, 1> kFormats = {"png"};
+
+struct Arguments {
+  GrowthArguments growth;
+  PictureOptions picture;
+  std::vector<std::string> outputs;
+  std::optional<double> at;
+  std::optional<int> frames;
+};
+
+/// The file of one of several pictures: flower_0012.png.
+std::string numbered(const std::string& path, int frame) {
+  return fmt::format("{}_{:04d}.png", without_extension(path), frame);
+}
+
+void run(const Arguments& arguments, Console& console) {
+  if (arguments.outputs.size() != 1) {
+    throw usage("say where to write one picture: -o flower.png");
+  }
+  if (arguments.at && arguments.frames) {
+    throw usage("--at is for one time and --frames for several: give one of them");
+  }
+  const Output output = check_outputs(arguments.outputs, kFormats).front();
+  Photographer photographer(arguments.picture);
+
+  const ThreadLimit threads(arguments.growth.threads);
+  const Progress progress = console.progress();
+  Report report;
+  const Species species = report.time("species", [&] { return find_plant(arguments.growth.species); });
+  const Development development = grow(arguments.growth, species, report, progress);
+  describe_plant(development, arguments.at.value_or(1.0), report);
+
+  const auto take = [&](double time, double framed_time, const Progress& watch) {
+    return report.time("render", [&] { return photographer.take(development, time, framed_time, watch); });
+  };
+  if (arguments.frames) {
+    const int count = *arguments.frames;
+    report.values["frames"] = count;
+    for (int i = 0; i < count; ++i) {
+      const double time = count > 1 ? static_cast<double>(i) / (count - 1) : 1.0;
+      const std::string stage = fmt::format("picture {} of {}:", i + 1, count);
+      const Progress watch = [&](std::string_view part, double fraction) {
+        return progress(stage + ' ' + std::string(part), fraction);
+      };
+      write_output(report, numbered(output.path, i), take(time, 1.0, watch));
+    }
+  } else {
+    const double time = arguments.at.value_or(1.0);
+    write_output(report, output.path, take(time, time, progress));
+  }
+  if (arguments.growth.json) {
+    print(report.text());
+  }
+}
+
+}  // namespace
+
+Command add_render(CLI::App& app) {
+  CLI::App* command = add_command(app, "render", "Take a picture of a plant",
+                                  "  anthesis render sunflower -o sunflower.png\n"
+                                  "  anthesis render daisy -o top.png --view top --size 600 --quality draft\n"
+                                  "  anthesis render sunflower -o opening.png --frames 21   (opening_0000.png ...)");
+  auto arguments = std::make_shared<Arguments>();
+  add_outputs(*command, arguments->outputs, kFormats);
+  arguments->growth.add_to(*command, true);
+  add_number(*command, "--at", arguments->at, {0.0, 1.0}, "Time of development: 0 bud, 1 bloom; 1 if left out");
+  add_whole(*command, "--frames", arguments->frames, 1, 1000,
+            "Take so many pictures over the development, in files x_0000.png, x_0001.png ...");
+  arguments->picture.add_to(*command);
+  return {command, [arguments](Console& console) { run(*arguments, console); }};
+}
+
+}  // namespace anthesis::cli

@@ -1,0 +1,38 @@
+#pragma once
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "anthesis/base/progress.h"
+#include "anthesis/inflorescence/development.h"
+
+namespace anthesis::detail {
+
+/// Above this many vertices a plant is not written out flat: a PLY would pass 2 GB.
+inline constexpr std::uint64_t kMaxFlatVertices = 50'000'000;
+
+/// The canopy at one time, and where the vertices of its organs and bodies begin in a file that holds them one after
+/// the other: organs by id, then bodies.
+struct FlatPlant {
+  Canopy canopy;
+  std::vector<std::uint32_t> first_vertex;  ///< of organ i, then of body j
+  std::uint32_t vertex_count = 0;
+  std::uint64_t triangle_count = 0;
+};
+
+/// Errors: kInvalidParameter for a time outside [0, 1], kTooLarge.
+Expected<FlatPlant> flat_plant(const Development& development, double time);
+
+const OrganTemplate& template_of(const Development& development, const OrganState& state);
+
+/// "ray_floret.12": the name of an organ in every file.
+std::string organ_name(const Development& development, OrganId id);
+
+/// The pigment of that name; a plain grey one for a name that the species does not have (a body without pigment).
+const Pigment& pigment_named(const Species& species, std::string_view name);
+
+/// Positions and unit normals of an organ in the world; resizes both.
+void pose_in_world(const OrganTemplate& shape, const OrganState& state, std::vector<Vec3>& positions_mm,
+                   std::vector<Vec3>& normals);
+
+}  // namespace anthesis::detail

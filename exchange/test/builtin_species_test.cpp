@@ -1,0 +1,103 @@
+#include <gtest/gtest.h>
+
+#include "anthesis/exchange/species_file.h"
+#include "anthesis/inflorescence/development.h"
+
+namespace anthesis {
+namespace {
+
+class BuiltinSpeciesTest : public testing::TestWithParam<std::string> {};
+
+std::size_t count(const Development& development, const std::string& kind) {
+  std::size_t n = 0;
+  for (const Organ& organ : development.organs()) {
+    n += development.species().organs[organ.kind].name == kind;
+  }
+  return n;
+}
+
+TEST_P(BuiltinSpeciesTest, NoTriangleIsDegenerateOrInvertedAtAnyStage) {
+  const Development development = *Development::grow(*find_species(GetParam()), {});
+  for (std::size_t index = 0; index < development.templates().size(); ++index) {
+    const OrganTemplate& organ = development.templates()[index];
+    std::vector<Vec3> positions(organ.vertex_count());
+    std::vector<Vec3> normals(organ.vertex_count());
+    for (int step = 0; step <= 50; ++step) {
+      organ.pose(step / 50.0, positions, normals);
+      // Each petal by itself: where margins meet, the common normal belongs to neither side.
+      smooth_normals(positions, organ.triangles(), {}, normals);
+      for (const TemplateGroup& group : organ.groups()) {
+        for (std::uint32_t k = group.first_triangle; k < group.first_triangle + group.triangle_count; ++k) {
+          const Triangle& t = organ.triangles()[k];
+          const Vec3 normal = area_vector(positions, t);
+          double longest = 0.0;
+          for (int i = 0; i < 3; ++i) {
+            longest = std::max(longest, length(positions[t[(i + 1) % 3]] - positions[t[i]]));
+          }
+          ASSERT_GT(length(normal), 1e-3 * longest * longest)
+              << group.name << " of template " << index << " at stage " << step / 50.0 << ", v = " << organ.uvs()[t[0]].y;
+          // A vertex normal is the mean of the faces about it: a face that turns from it has folded over.
+          const Vec3 mean = normals[t[0]] + normals[t[1]] + normals[t[2]];
+          ASSERT_GT(dot(normal, mean), 0.0)
+              << group.name << " of template " << index << " at stage " << step / 50.0 << ", v = " << organ.uvs()[t[0]].y;
+        }
+      }
+    }
+  }
+}
+
+TEST_P(BuiltinSpeciesTest, HasAFibonacciNumberOfRays) {
+  const Development development = *Development::grow(*find_species(GetParam()), {});
+  EXPECT_EQ(count(development, "ray_floret"), 34u);
+  EXPECT_GE(count(development, "disk_floret"), 100u);
+  EXPECT_GE(count(development, "bract"), 13u);
+}
+
+TEST_P(BuiltinSpeciesTest, DisksOpenFromTheRimAndAreNotAllOpenInBloom) {
+  const Development development = *Development::grow(*find_species(GetParam()), {});
+  const Canopy canopy = development.at(1.0);
+  double outer = 0.0;
+  double inner = 0.0;
+  int outer_count = 0;
+  int inner_count = 0;
+  for (const OrganState& organ : canopy.organs) {
+    if (development.species().organs[development.organs()[organ.id.value - 1].kind].name == "disk_floret") {
+      (organ.s > 0.4 ? outer : inner) += organ.stage;
+      ++(organ.s > 0.4 ? outer_count : inner_count);
+    }
+  }
+  EXPECT_GT(outer / outer_count, inner / inner_count + 0.2);
+}
+
+TEST_P(BuiltinSpeciesTest, IsABudBeforeItIsABloom) {
+  // The rays of the bud stand within the bracts; in bloom they reach far beyond them.
+  const Development development = *Development::grow(*find_species(GetParam()), {});
+  const auto reach = [&](double time, const std::string& kind) {
+    double farthest = 0.0;
+    std::vector<Vec3> positions;
+    std::vector<Vec3> normals;
+    for (const OrganState& state : development.at(time).organs) {
+      const Organ& organ = development.organs()[state.id.value - 1];
+      if (development.species().organs[organ.kind].name != kind) {
+        continue;
+      }
+      const OrganTemplate& shape = development.templates()[organ.template_index];
+      positions.resize(shape.vertex_count());
+      normals.resize(shape.vertex_count());
+      shape.pose(state.stage, positions, normals);
+      for (const Vec3 p : positions) {
+        const Vec3 world = apply(state.world_from_organ, p);
+        farthest = std::max(farthest, length(Vec2{world.x, world.y}));
+      }
+    }
+    return farthest;
+  };
+  EXPECT_LT(reach(0.35, "ray_floret"), reach(0.35, "bract"));
+  EXPECT_GT(reach(1.0, "ray_floret"), 1.1 * reach(1.0, "bract"));
+}
+
+INSTANTIATE_TEST_SUITE_P(Species, BuiltinSpeciesTest, testing::Values("sunflower", "daisy"),
+                         [](const auto& test) { return test.param; });
+
+}  // namespace
+}  // namespace anthesis

@@ -1,0 +1,122 @@
+#include "anthesis/render/scene.h"
+
+#include <gtest/gtest.h>
+
+#include <limits>
+
+#include "anthesis/base/math.h"
+#include "anthesis/render/scene_of_canopy.h"
+
+namespace anthesis {
+namespace {
+
+Scene ball() {
+  Scene scene;
+  scene.pigments.emplace_back();
+  scene.meshes.push_back({unit_sphere(), {{0, 1280, 0}}});
+  scene.instances.emplace_back();
+  return scene;
+}
+
+TEST(UnitSphere, IsClosedRoundAndTurnedOutward) {
+  const Mesh sphere = unit_sphere();
+  EXPECT_EQ(sphere.triangles.size(), 1280U);
+  double volume = 0.0;
+  for (const auto& [a, b, c] : sphere.triangles) {
+    volume += dot(sphere.positions_mm[a], cross(sphere.positions_mm[b], sphere.positions_mm[c])) / 6.0;
+  }
+  EXPECT_NEAR(volume, 4.0 / 3.0 * math::kPi, 0.04);
+  EXPECT_EQ(sphere.positions_mm.size() + sphere.triangles.size() - 3 * sphere.triangles.size() / 2, 2U);
+}
+
+TEST(CheckScene, FindsNothingWrongWithAGoodScene) {
+  EXPECT_FALSE(check(ball()).has_value());
+}
+
+TEST(CheckScene, NamesWhatIsWrong) {
+  const auto where = [](auto spoil) {
+    Scene scene = ball();
+    spoil(scene);
+    const auto error = check(scene);
+    return error ? error->where : std::string("nothing");
+  };
+  EXPECT_EQ(where([](Scene& s) { s.instances[0].mesh = 3; }), "instances[0].mesh");
+  EXPECT_EQ(where([](Scene& s) { s.instances[0].world_from_mesh.scale = 0.0; }), "instances[0].world_from_mesh");
+  EXPECT_EQ(where([](Scene& s) { s.instances[0].variations.resize(2); }), "instances[0].variations");
+  EXPECT_EQ(where([](Scene& s) { s.meshes[0].mesh.triangles[7][1] = 9999; }), "meshes[0].triangles");
+  EXPECT_EQ(where([](Scene& s) { s.meshes[0].mesh.positions_mm[0].x = std::numeric_limits<double>::quiet_NaN(); }),
+            "meshes[0].positions_mm");
+  EXPECT_EQ(where([](Scene& s) { s.meshes[0].mesh.uvs.pop_back(); }), "meshes[0].uvs");
+  EXPECT_EQ(where([](Scene& s) { s.meshes[0].spans[0].triangle_count = 1281; }), "meshes[0].spans");
+  EXPECT_EQ(where([](Scene& s) { s.pigments[0].translucency = 1.5; }), "pigments[0].translucency");
+  EXPECT_EQ(where([](Scene& s) { s.lighting.lamps.push_back({.towards = {1, 1, 1}}); }), "lighting.lamps[0].towards");
+  EXPECT_EQ(where([](Scene& s) { s.lighting.sky.zenith.g = -1.0; }), "lighting.sky");
+}
+
+TEST(OpenIrradiance, IsPiUnderAnEvenSkyAndAddsLampsByTheirCosine) {
+  Lighting lighting;
+  EXPECT_NEAR(open_irradiance(lighting, normalized(Vec3{1, 2, 3})).g, math::kPi, 1e-9);
+  lighting.lamps.push_back({.towards = {0, 0, 1}, .irradiance = {2, 2, 2}});
+  EXPECT_NEAR(open_irradiance(lighting, {0, 0.8, 0.6}).r, math::kPi + 1.2, 1e-9);
+  EXPECT_NEAR(open_irradiance(lighting, {0, 0, -1}).r, math::kPi, 1e-9);
+}
+
+TEST(OpenIrradiance, OfAGlowIsThatOfItsIntegral) {
+  // Cos^4 about the normal, weighed by the cosine: 2 pi / 6.
+  Lighting lighting;
+  lighting.sky = {{0, 0, 1}, {}, {}, {}, {{{0, 0, 1}, 2, {1, 1, 1}}}};
+  EXPECT_NEAR(open_irradiance(lighting, {0, 0, 1}).r, math::kPi / 3.0, 1e-3);
+}
+
+/// A flat head of pegs in two colours.
+Species head_of_pegs() {
+  Column peg;
+  peg.name = "peg";
+  peg.pigment = "red";
+  peg.poses = {{0.0, {{0.2, 0}, {0.2, 0.6}, {0.2, 1.2}, {0, 2}}, 0.0},
+               {1.0, {{0.2, 0}, {0.2, 1.2}, {0.2, 2.4}, {0, 4}}, 0.0}};
+  OrganKind kind;
+  kind.name = "floret";
+  kind.shape.columns = {peg};
+  kind.variants = 3;
+  kind.opening = {{0.0, 0.0}, {0.5, 0.2}, {1.0, 1.0}};
+  Species species;
+  species.name = "pegs";
+  species.pigments.resize(2);
+  species.pigments[0].name = "green";
+  species.pigments[1].name = "red";
+  species.organs = {kind};
+  Head& head = species.head;
+  head.receptacle = {{0.0, {{0, 1}, {1, 1}}}};
+  head.receptacle_pigment = "green";
+  head.interval = 0.005;
+  head.meristem_area_mm2 = 100.0;
+  head.area_growth = {{0.0, 0.5}, {1.0, 1.0}};
+  head.zones = {{"floret", 0.0, 1.0}};
+  species.peduncle.pigment = "green";
+  species.peduncle.length_mm = 30.0;
+  return species;
+}
+
+TEST(MakeScene, HoldsEveryOrganOnceAndSharesTheirMeshes) {
+  const auto development = Development::grow(head_of_pegs(), {});
+  ASSERT_TRUE(development.has_value()) << to_string(development.error());
+  const Canopy canopy = development->at(1.0);
+  const Scene scene = make_scene(*development, canopy, {.ground = true});
+  EXPECT_FALSE(check(scene).has_value());
+  ASSERT_GT(canopy.organs.size(), 50U);
+  EXPECT_EQ(scene.instances.size(), canopy.organs.size() + canopy.bodies.size());
+  EXPECT_LE(scene.meshes.size(), 3U * 65U + canopy.bodies.size());
+  EXPECT_EQ(scene.meshes[scene.instances[0].mesh].spans[0].pigment, 1U);  // red is the second pigment
+  EXPECT_TRUE(scene.instances[0].framed);
+  ASSERT_TRUE(scene.ground.has_value());
+  EXPECT_LT(scene.ground->height_mm, -20.0);  // at the foot of the stem
+  bool unframed = false;
+  for (const Instance& instance : scene.instances) {
+    unframed = unframed || !instance.framed;
+  }
+  EXPECT_TRUE(unframed);
+}
+
+}  // namespace
+}  // namespace anthesis

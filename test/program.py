@@ -1,0 +1,65 @@
+"""What the tests of the program share: running it, in a folder of its own, and looking at what it says."""
+import os
+import shutil
+import subprocess
+import sys
+import tempfile
+import unittest
+
+PROGRAM = os.environ.get("ANTHESIS") or os.path.join(os.path.dirname(__file__), "..", "build", "bin", "anthesis")
+PROGRAM = os.path.abspath(PROGRAM)
+SOURCE = os.path.abspath(os.path.join(os.path.dirname(__file__), ".."))
+
+DONE, USAGE, BAD_DATA, IO_FAILED, INTERRUPTED = 0, 2, 65, 74, 130
+SKIPPED = 77  # tells ctest that a test could not be made here
+
+
+class Result:
+    def __init__(self, status, out, err):
+        self.status, self.out, self.err = status, out, err
+
+
+class ProgramTest(unittest.TestCase):
+    """Each test works in an empty folder."""
+
+    def setUp(self):
+        self.folder = tempfile.mkdtemp(prefix="anthesis-")
+        self.addCleanup(shutil.rmtree, self.folder)
+
+    def path(self, name):
+        return os.path.join(self.folder, name)
+
+    def content(self, name):
+        with open(self.path(name), "rb") as file:
+            return file.read()
+
+    def run_program(self, *arguments, environment=None, timeout=120, preexec=None):
+        process = subprocess.run([PROGRAM, *arguments], cwd=self.folder, capture_output=True, timeout=timeout,
+                                 env={**os.environ, **(environment or {})}, preexec_fn=preexec, check=False)
+        return Result(process.returncode, process.stdout.decode("utf-8", "replace"),
+                      process.stderr.decode("utf-8", "replace"))
+
+    def expect(self, status, *arguments, message=None, **options):
+        """Runs the program and checks its exit status; a refusal is one line that says why, and leaves no file."""
+        before = set(os.listdir(self.folder))
+        result = self.run_program(*arguments, **options)
+        self.assertEqual(result.status, status, f"{arguments}: {result.err}")
+        if status != DONE:
+            self.assertEqual(result.out, "", arguments)
+            self.assertEqual(result.err.count("\n"), 1, result.err)
+            self.assertTrue(result.err.startswith("anthesis: "), result.err)
+            self.assertEqual(set(os.listdir(self.folder)), before, f"{arguments} left files behind")
+        if message is not None:
+            self.assertEqual(result.err, f"anthesis: {message}\n")
+        return result
+
+
+def main():
+    if not os.access(PROGRAM, os.X_OK):
+        sys.exit(f"no program at {PROGRAM}; build it, or say where it is: ANTHESIS=...")
+    unittest.main(verbosity=1)
+
+
+def skip(why):
+    print(f"skipped: {why}")
+    sys.exit(SKIPPED)

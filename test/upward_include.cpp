@@ -1,0 +1,1 @@
+#include "anthesis/inflorescence/species.h"
