@@ -2,8 +2,8 @@
 
     blender --background --factory-startup --python-exit-code 1 -noaudio -P blender_judge.py -- FILE.glb EXPECTED.json
 
-Exits 1 on any fault. EXPECTED.json is what expected_positions_json wrote. Times must fall on whole frames at 24 frames a
-second, as the keys of 25 frames in 4 s do: between whole frames Blender evaluates, but people do not.
+Exits 1 on any fault. EXPECTED.json is what expected_positions_json wrote. Times must fall on whole frames at 24 frames
+a second, as the keys of 25 frames in 4 s do: those are the frames that people look at.
 """
 import json
 import math
@@ -94,7 +94,8 @@ for index, seconds in enumerate(expected["times_s"]):
 times = ", ".join(f"{seconds:.3f}" for seconds in expected["times_s"])
 print(f"Blender {bpy.app.version_string}: {len(organs)} organs, {len(bpy.data.meshes)} meshes, "
       f"{len(bpy.data.actions)} actions, {compared} vertices at times {times} s, largest distance "
-      f"{1000 * largest:.3g} mm, import {imported_s:.1f} s, all {time.monotonic() - started:.1f} s, {len(faults)} faults")
+      f"{1000 * largest:.3g} mm, import {imported_s:.1f} s, all {time.monotonic() - started:.1f} s, "
+      f"{len(faults)} faults")
 for fault in faults[:10]:
     print("  " + fault)
 if len(faults) > 10:

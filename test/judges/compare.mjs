@@ -26,8 +26,8 @@ export function compare(expected, found) {
         ++compared;
         largest_m = Math.max(largest_m, gap);
         if (!(gap <= item.tolerance_m)) {
-          faults.push(`${item.name} vertex ${item.vertices[v]} at ${time} s is ${(1000 * gap).toPrecision(3)} mm off, ` +
-            `more than ${(1000 * item.tolerance_m).toPrecision(3)}`);
+          faults.push(`${item.name} vertex ${item.vertices[v]} at ${time.toFixed(3)} s is ` +
+            `${(1000 * gap).toPrecision(3)} mm off, more than ${(1000 * item.tolerance_m).toPrecision(3)}`);
         }
       });
     });

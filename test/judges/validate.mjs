@@ -21,7 +21,8 @@ for (const file of files) {
   // A file that is cut off has issues and no information.
   const content = info ? `${info.drawCallCount} draw calls, ${info.totalTriangleCount} triangles, ` +
     `${info.animationCount} animations` : 'unreadable';
-  console.log(`${file}: ${numErrors} errors, ${numWarnings} warnings, ${numInfos} infos, ${numHints} hints (${content})`);
+  console.log(`${file}: ${numErrors} errors, ${numWarnings} warnings, ${numInfos} infos, ${numHints} hints ` +
+    `(${content})`);
   for (const issue of messages.slice(0, MAX_PRINTED)) {
     console.log(`  ${SEVERITIES[issue.severity]} ${issue.code} ${issue.pointer ?? ''}: ${issue.message}`);
   }

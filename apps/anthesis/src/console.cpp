@@ -95,8 +95,8 @@ void Console::clear() {
   }
 }
 
-Report::Stopwatch::~Stopwatch() {
-  auto& seconds = report.seconds_[stage];
+void Report::add_time(const char* stage, Clock::time_point began) {
+  auto& seconds = seconds_[stage];
   seconds = (seconds.is_null() ? 0.0 : seconds.get<double>()) + seconds_between(began, Clock::now());
 }
 

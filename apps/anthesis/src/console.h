@@ -62,8 +62,10 @@ class Report {
   /// Runs `work`, and adds the time it took to `stage`.
   template <class Work>
   auto time(const char* stage, Work&& work) {
-    const Stopwatch stopwatch(*this, stage);
-    return std::forward<Work>(work)();
+    const Clock::time_point began = Clock::now();
+    auto result = std::forward<Work>(work)();
+    add_time(stage, began);
+    return result;
   }
 
   void add_output(const std::string& path, std::string_view bytes);
@@ -74,16 +76,7 @@ class Report {
  private:
   using Clock = std::chrono::steady_clock;
 
-  struct Stopwatch {
-    Stopwatch(Report& r, const char* s) : report(r), stage(s) {}
-    ~Stopwatch();
-    Stopwatch(const Stopwatch&) = delete;
-    Stopwatch& operator=(const Stopwatch&) = delete;
-
-    Report& report;
-    const char* stage;
-    Clock::time_point began = Clock::now();
-  };
+  void add_time(const char* stage, Clock::time_point began);
 
   Clock::time_point began_ = Clock::now();
   nlohmann::ordered_json seconds_ = nlohmann::ordered_json::object();

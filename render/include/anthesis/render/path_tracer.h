@@ -31,7 +31,7 @@ double metered_exposure(const Lighting& lighting, const Camera& camera);
 /// Paints `scene` by following light backwards from the camera. See docs/rendering.md.
 ///
 /// The same bytes for any number of threads and on any x86-64 processor. Progress stages: "geometry", "light", "noise".
-/// Memory: about 100 bytes a pixel and 200 bytes a triangle of the shared meshes.
+/// Memory: about 200 bytes a pixel (90 without denoising) and 200 bytes a triangle of the shared meshes.
 /// Errors: check(options), check(scene), too many triangles (kTooLarge), cancelled.
 Expected<Picture> trace(const Scene& scene, const Camera& camera, const RenderOptions& options,
                         const Progress& progress = {});
