@@ -213,7 +213,7 @@ class Answers(ProgramTest):
 
 
 class Terminal(ProgramTest):
-    LONG = ["render", "sunflower", "-o", "a.png", "--size", "2000", "--samples", "4096"]
+    LONG = ["render", "sunflower", "-o", "a.png", "--size", "1600", "--samples", "512"]
 
     def test_progress_is_for_terminals_only(self):
         main_end, terminal = pty.openpty()

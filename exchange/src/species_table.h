@@ -139,7 +139,7 @@ void describe(V& v, Table<Peduncle>) {
   using T = Peduncle;
   v.name("pigment", &T::pigment, NameOf::kPigment, "Pigment of the stem.");
   v.number("length_mm", &T::length_mm, kLength, "Length in mm; 0 is no stem.");
-  v.number("radius_mm", &T::radius_mm, above(0.0, 1000.0), "Radius at the foot, in mm.");
+  v.number("radius_mm", &T::radius_mm, above(0.0, 1000.0), "Radius at the foot of the mature stem, in mm.");
   v.number("bend_deg", &T::bend_deg, kHalfTurn, "Bend of the whole stem, in degrees.");
   v.points("growth", &T::growth, function_of(kUnit, kFactor),
            "Factor of the length against time: control points [time, factor].");

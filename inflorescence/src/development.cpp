@@ -76,13 +76,15 @@ Mesh receptacle_mesh(const SurfaceOfRevolution& surface, double detail) {
   return mesh;
 }
 
-/// The stem: an arc that leaves the base of the receptacle straight down and bends towards -x.
-Mesh peduncle_mesh(const Peduncle& peduncle, double length_mm, Vec2 base, double detail) {
+/// The stem: an arc that leaves the base of the receptacle straight down and bends towards -x. `base` is the rim of the
+/// receptacle now, (radius, height), `mature_base` when it is mature.
+Mesh peduncle_mesh(const Peduncle& peduncle, double length_mm, Vec2 base, Vec2 mature_base, double detail) {
   Mesh mesh;
   const int rings = std::max(4, static_cast<int>(std::lround(kPeduncleRings * detail)));
   const int sides = std::max(8, static_cast<int>(std::lround(kPeduncleSides * detail)));
   const double bend = math::radians(peduncle.bend_deg);
-  const double slenderness = length_mm / peduncle.length_mm;  // a young stem is thinner in proportion
+  // A young head is carried by a thin stem; a stem's cross-section is in proportion to the width of what it carries.
+  const double foot_mm = peduncle.radius_mm * std::sqrt(base.x / mature_base.x);
   for (int j = 0; j <= rings; ++j) {
     const double share = static_cast<double>(j) / rings;
     const double along = share * share;  // rings stand closer where the stem widens under the head
@@ -94,7 +96,7 @@ Mesh peduncle_mesh(const Peduncle& peduncle, double length_mm, Vec2 base, double
                             : Vec3{-(1.0 - cosine) * length_mm / bend, 0.0, base.y - sine * length_mm / bend};
     // The head tapers into the stem over one of its radii: a smooth step from the rim's width to the stem's.
     const double taper = std::clamp(1.0 - path / base.x, 0.0, 1.0);
-    const double radius = lerp(peduncle.radius_mm * slenderness, base.x, taper * taper * (3.0 - 2.0 * taper));
+    const double radius = lerp(foot_mm, base.x, taper * taper * (3.0 - 2.0 * taper));
     const Vec3 side{cosine, 0.0, -sine};
     for (int i = 0; i <= sides; ++i) {
       const auto [s, c] = math::sin_cos(math::kTurnRad * (i % sides) / sides);
@@ -104,7 +106,8 @@ Mesh peduncle_mesh(const Peduncle& peduncle, double length_mm, Vec2 base, double
       mesh.uvs.push_back({static_cast<double>(i) / sides, 1.0 - along});
     }
     if (j > 0) {
-      add_band(mesh, static_cast<std::uint32_t>((j - 1) * (sides + 1)), static_cast<std::uint32_t>(j * (sides + 1)), sides);
+      add_band(mesh, static_cast<std::uint32_t>((j - 1) * (sides + 1)), static_cast<std::uint32_t>(j * (sides + 1)),
+               sides);
     }
   }
   return mesh;
@@ -122,6 +125,7 @@ struct Development::State {
   std::vector<Deviation> deviations;     ///< by organ
   std::vector<double> mature_size;       ///< by organ: factor by position, times the organ's own
   FunctionGraph peduncle_growth;
+  Vec2 mature_base_mm;  ///< rim of the receptacle: (radius, height)
 
   std::uint32_t kind_named(const std::string& name) const {
     const auto& kinds = species.organs;
@@ -138,10 +142,18 @@ Development::Development(Development&&) noexcept = default;
 Development& Development::operator=(Development&&) noexcept = default;
 Development::~Development() = default;
 
-const Species& Development::species() const { return state_->species; }
-const GrowthOptions& Development::options() const { return state_->options; }
-std::span<const Organ> Development::organs() const { return state_->organs; }
-std::span<const OrganTemplate> Development::templates() const { return state_->templates; }
+const Species& Development::species() const {
+  return state_->species;
+}
+const GrowthOptions& Development::options() const {
+  return state_->options;
+}
+std::span<const Organ> Development::organs() const {
+  return state_->organs;
+}
+std::span<const OrganTemplate> Development::templates() const {
+  return state_->templates;
+}
 
 Expected<Development> Development::grow(const Species& species, const GrowthOptions& options,
                                         const Progress& progress) {
@@ -177,6 +189,7 @@ Expected<Development> Development::grow(const Species& species, const GrowthOpti
 
   const SurfaceOfRevolution mature = state->pattern->surface(1.0);
   const std::vector<PrimordiumPlace> places = state->pattern->places(1.0, mature);
+  state->mature_base_mm = mature.profile_mm().at(1.0);
   state->decide_kinds(mature, places);
   if (auto error = state->build_templates(progress)) {
     return unexpected(*error);
@@ -286,8 +299,8 @@ void Development::State::draw_deviations(const SurfaceOfRevolution& mature, std:
     ++seen[organ.kind];
     Deviation d;
     d.size = draw(seed, organ.id, RandomPurpose::kSize, v.size);
-    d.pitch_rad = math::radians(draw(seed, organ.id, RandomPurpose::kPitch, v.pitch_deg) +
-                                kind.layering_deg * (1.0 - rank));
+    d.pitch_rad =
+        math::radians(draw(seed, organ.id, RandomPurpose::kPitch, v.pitch_deg) + kind.layering_deg * (1.0 - rank));
     d.yaw_rad = math::radians(draw(seed, organ.id, RandomPurpose::kYaw, v.yaw_deg));
     d.roll_rad = math::radians(draw(seed, organ.id, RandomPurpose::kRoll, v.roll_deg));
     d.stage = draw(seed, organ.id, RandomPurpose::kStage, v.stage);
@@ -321,10 +334,9 @@ Canopy Development::at(double time) const {
     placement.scale = state.mature_size[i] * functions.growth(age);
     placement.position_mm = frame.position_mm - placement.scale * kind.sink_mm * frame.normal;
     const double pitch = math::radians(functions.pitch_deg(age)) + deviation.pitch_rad;
-    placement.rotation = normalized(rotation_from_axes(frame.meridian, frame.parallel, frame.normal) *
-                                    rotation_about({0.0, 1.0, 0.0}, pitch) *
-                                    rotation_about({1.0, 0.0, 0.0}, deviation.yaw_rad) *
-                                    rotation_about({0.0, 0.0, 1.0}, deviation.roll_rad));
+    placement.rotation = normalized(
+        rotation_from_axes(frame.meridian, frame.parallel, frame.normal) * rotation_about({0.0, 1.0, 0.0}, pitch) *
+        rotation_about({1.0, 0.0, 0.0}, deviation.yaw_rad) * rotation_about({0.0, 0.0, 1.0}, deviation.roll_rad));
     canopy.organs.push_back(organ_state);
   }
   const Head& head = state.species.head;
@@ -334,8 +346,9 @@ Canopy Development::at(double time) const {
   const Peduncle& peduncle = state.species.peduncle;
   if (peduncle.length_mm > 0.0) {
     const double length = peduncle.length_mm * state.peduncle_growth(time);
-    canopy.bodies.push_back({"peduncle", peduncle.pigment,
-                             peduncle_mesh(peduncle, length, surface.profile_mm().at(1.0), state.options.detail)});
+    canopy.bodies.push_back(
+        {"peduncle", peduncle.pigment,
+         peduncle_mesh(peduncle, length, surface.profile_mm().at(1.0), state.mature_base_mm, state.options.detail)});
   }
   return canopy;
 }

@@ -4,6 +4,8 @@
 #include <array>
 #include <cmath>
 
+#include "anthesis/base/assert.h"
+
 namespace anthesis {
 
 namespace {
@@ -108,6 +110,28 @@ Image develop(const Picture& picture) {
     }
   }
   return image;
+}
+
+Image contact_sheet(std::span<const Image> images, int columns) {
+  const Image& first = images.front();
+  const int rows = (static_cast<int>(images.size()) + columns - 1) / columns;
+  const auto pixel = static_cast<std::size_t>(first.channels);
+  const std::size_t line = pixel * first.width;
+  Image sheet{first.width * columns, first.height * rows, first.channels, {}};
+  sheet.bytes.resize(line * columns * first.height * rows);
+  for (std::size_t i = 0; i < sheet.bytes.size(); ++i) {
+    sheet.bytes[i] = images.back().bytes[i % pixel];
+  }
+  for (std::size_t k = 0; k < images.size(); ++k) {
+    ANTHESIS_ASSERT(images[k].bytes.size() == line * first.height);
+    const std::size_t left = line * (k % columns);
+    const std::size_t top = first.height * (k / columns);
+    for (std::size_t y = 0; y < static_cast<std::size_t>(first.height); ++y) {
+      std::copy_n(images[k].bytes.begin() + static_cast<std::ptrdiff_t>(y * line), line,
+                  sheet.bytes.begin() + static_cast<std::ptrdiff_t>((top + y) * line * columns + left));
+    }
+  }
+  return sheet;
 }
 
 Expected<std::string> encode_png(const Image& image, std::vector<PngText> texts) {

@@ -121,5 +121,17 @@ TEST(Tone, KeepsTheHueAndSaturationOfABrightYellow) {
   EXPECT_NEAR(shown.b / shown.r, 0.02 / 1.6, 1e-9);
 }
 
+TEST(ContactSheet, PutsImagesInRowsAndFillsTheRest) {
+  std::vector<Image> images;
+  for (std::uint8_t shade = 1; shade <= 3; ++shade) {
+    images.push_back({2, 1, 3, {shade, shade, shade, 9, 9, shade}});
+  }
+  const Image sheet = contact_sheet(images, 2);
+  EXPECT_EQ(sheet.width, 4);
+  EXPECT_EQ(sheet.height, 2);
+  EXPECT_EQ(sheet.bytes, (std::vector<std::uint8_t>{1, 1, 1, 9, 9, 1, 2, 2, 2, 9, 9, 2,  //
+                                                    3, 3, 3, 9, 9, 3, 3, 3, 3, 3, 3, 3}));
+}
+
 }  // namespace
 }  // namespace anthesis

@@ -71,7 +71,7 @@ Photographer::Photographer(const PictureOptions& options) : exposure_ev_(options
   scene_.ground = options.ground;
 }
 
-std::string Photographer::take(const Development& development, double time, double framed_time,
+Image Photographer::photograph(const Development& development, double time, double framed_time,
                                const Progress& progress) {
   Scene scene = make_scene(development, development.at(time), scene_);
   const Camera camera =
@@ -80,7 +80,13 @@ std::string Photographer::take(const Development& development, double time, doub
   scene.lighting = studio_lighting(camera);
   RenderOptions options = render_;
   options.exposure = metered_exposure(scene.lighting, camera) * math::pow(2.0, exposure_ev_);
-  return value_of(encode_png(value_of(trace(scene, camera, options, progress)), provenance_texts(development, time)));
+  return develop(value_of(trace(scene, camera, options, progress)));
+}
+
+std::string Photographer::take(const Development& development, double time, double framed_time,
+                               const Progress& progress) {
+  return value_of(
+      encode_png(photograph(development, time, framed_time, progress), provenance_texts(development, time)));
 }
 
 std::vector<PngText> provenance_texts(const Development& development, double time) {

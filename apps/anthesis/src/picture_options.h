@@ -31,8 +31,10 @@ class Photographer {
   /// Throws a Failure of usage where a flag's word or size is not known. The plant may still have to be grown.
   explicit Photographer(const PictureOptions& options);
 
-  /// The bytes of a PNG of the plant at `time`. The camera stands where it frames the plant at time 1, or at
-  /// `framed_time`.
+  /// The plant at `time`. The camera stands where it frames the plant at `framed_time`.
+  Image photograph(const Development& development, double time, double framed_time, const Progress& progress);
+
+  /// The same as the bytes of a PNG.
   std::string take(const Development& development, double time, double framed_time, const Progress& progress);
 
  private:

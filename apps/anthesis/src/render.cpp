@@ -1,7 +1,9 @@
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <array>
 #include <optional>
+#include <vector>
 
 #include "anthesis/base/parallel.h"
 #include "growth.h"
@@ -19,6 +21,7 @@ struct Arguments {
   std::vector<std::string> outputs;
   std::optional<double> at;
   std::optional<int> frames;
+  std::optional<int> columns;
 };
 
 /// The file of one of several pictures: flower_0012.png.
@@ -33,6 +36,9 @@ void run(const Arguments& arguments, Console& console) {
   if (arguments.at && arguments.frames) {
     throw usage("--at is for one time and --frames for several: give one of them");
   }
+  if (arguments.columns && !arguments.frames) {
+    throw usage("--columns is for the pictures of --frames: give both");
+  }
   const Output output = check_outputs(arguments.outputs, kFormats).front();
   Photographer photographer(arguments.picture);
 
@@ -43,23 +49,31 @@ void run(const Arguments& arguments, Console& console) {
   const Development development = grow(arguments.growth, species, report, progress);
   describe_plant(development, arguments.at.value_or(1.0), report);
 
-  const auto take = [&](double time, double framed_time, const Progress& watch) {
-    return report.time("render", [&] { return photographer.take(development, time, framed_time, watch); });
-  };
   if (arguments.frames) {
     const int count = *arguments.frames;
     report.values["frames"] = count;
+    std::vector<Image> images;
     for (int i = 0; i < count; ++i) {
       const double time = count > 1 ? static_cast<double>(i) / (count - 1) : 1.0;
       const std::string stage = fmt::format("picture {} of {}:", i + 1, count);
       const Progress watch = [&](std::string_view part, double fraction) {
         return progress(stage + ' ' + std::string(part), fraction);
       };
-      write_output(report, numbered(output.path, i), take(time, 1.0, watch));
+      images.push_back(report.time("render", [&] { return photographer.photograph(development, time, 1.0, watch); }));
+      if (!arguments.columns) {
+        write_output(report, numbered(output.path, i),
+                     value_of(encode_png(images.back(), provenance_texts(development, time))));
+        images.clear();
+      }
+    }
+    if (arguments.columns) {
+      const Image sheet = contact_sheet(images, std::min(*arguments.columns, count));
+      write_output(report, output.path, value_of(encode_png(sheet, provenance_texts(development, 1.0))));
     }
   } else {
     const double time = arguments.at.value_or(1.0);
-    write_output(report, output.path, take(time, time, progress));
+    write_output(report, output.path,
+                 report.time("render", [&] { return photographer.take(development, time, time, progress); }));
   }
   if (arguments.growth.json) {
     print(report.text());
@@ -72,13 +86,17 @@ Command add_render(CLI::App& app) {
   CLI::App* command = add_command(app, "render", "Take a picture of a plant",
                                   "  anthesis render sunflower -o sunflower.png\n"
                                   "  anthesis render daisy -o top.png --view top --size 600 --quality draft\n"
-                                  "  anthesis render sunflower -o opening.png --frames 21   (opening_0000.png ...)");
+                                  "  anthesis render sunflower -o opening.png --frames 21   (opening_0000.png ...)\n"
+                                  "  anthesis render daisy -o sheet.png --frames 21 --columns 7 --size 300");
   auto arguments = std::make_shared<Arguments>();
   add_outputs(*command, arguments->outputs, kFormats);
+  arguments->growth.detail = 2.0;  // outlines show facets in a large picture that nobody sees in a model
   arguments->growth.add_to(*command, true);
   add_number(*command, "--at", arguments->at, {0.0, 1.0}, "Time of development: 0 bud, 1 bloom; 1 if left out");
   add_whole(*command, "--frames", arguments->frames, 1, 1000,
             "Take so many pictures over the development, in files x_0000.png, x_0001.png ...");
+  add_whole(*command, "--columns", arguments->columns, 1, 100,
+            "Put the pictures of --frames into one, so many in a row");
   arguments->picture.add_to(*command);
   return {command, [arguments](Console& console) { run(*arguments, console); }};
 }

@@ -76,7 +76,7 @@ struct OrganKind {
 struct Peduncle {
   std::string pigment;
   double length_mm = 0.0;    ///< 0: none
-  double radius_mm = 1.0;    ///< at the foot; at the head it meets the receptacle
+  double radius_mm = 1.0;    ///< at the foot of the mature stem; at the head it meets the receptacle
   double bend_deg = 0.0;     ///< of the whole stem, towards -x
   FunctionPoints growth = {{0.0, 1.0}, {1.0, 1.0}};  ///< factor of the length against time
 };
