@@ -7,7 +7,9 @@
 namespace anthesis {
 namespace {
 
-SurfaceOfRevolution concave_profile() { return {{{0, 0}, {1, 0.1}, {1.2, 1.5}, {2.5, 2}, {3, 1.2}}, 3}; }
+SurfaceOfRevolution concave_profile() {
+  return {{{0, 0}, {1, 0.1}, {1.2, 1.5}, {2.5, 2}, {3, 1.2}}, 3};
+}
 
 /// Places and frames of n organs, as every pattern needs them.
 void BM_RidleyOnAConcaveProfile(benchmark::State& state) {

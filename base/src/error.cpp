@@ -53,8 +53,8 @@ std::size_t edits_between(std::string_view a, std::string_view b) {
         continue;
       }
       const std::size_t change = a[i - 1] == b[j - 1] ? 0 : 1;
-      here = std::min({cost[(i - 1) * width + j] + 1, cost[i * width + j - 1] + 1,
-                       cost[(i - 1) * width + j - 1] + change});
+      here = std::min(
+          {cost[(i - 1) * width + j] + 1, cost[i * width + j - 1] + 1, cost[(i - 1) * width + j - 1] + change});
       if (i > 1 && j > 1 && a[i - 1] == b[j - 2] && a[i - 2] == b[j - 1]) {
         here = std::min(here, cost[(i - 2) * width + j - 2] + 1);
       }

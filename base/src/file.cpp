@@ -102,8 +102,7 @@ std::optional<Error> write_file(const std::string& path, std::string_view bytes)
   }
 
   static std::atomic<unsigned> counter = 0;
-  const std::string temporary =
-      path + "." + std::to_string(::getpid()) + "-" + std::to_string(counter++) + ".part";
+  const std::string temporary = path + "." + std::to_string(::getpid()) + "-" + std::to_string(counter++) + ".part";
   const mode_t mode = exists ? (status.st_mode & 0777) : 0666;
   Descriptor file(::open(temporary.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, mode));
   if (file.value < 0) {

@@ -39,8 +39,8 @@ struct ThreadLimit::State {
 
 ThreadLimit::ThreadLimit(int threads) {
   if (threads > 0) {
-    state_ = std::make_unique<State>(State{tbb::global_control(tbb::global_control::max_allowed_parallelism,
-                                                               static_cast<std::size_t>(threads))});
+    state_ = std::make_unique<State>(
+        State{tbb::global_control(tbb::global_control::max_allowed_parallelism, static_cast<std::size_t>(threads))});
   }
 }
 

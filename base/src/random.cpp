@@ -23,10 +23,9 @@ void Rng::refill() {
   for (int round = 0; round < 10; ++round) {
     const std::uint64_t product0 = std::uint64_t{kMultiplier0} * c[0];
     const std::uint64_t product1 = std::uint64_t{kMultiplier1} * c[2];
-    const std::uint32_t next[4] = {static_cast<std::uint32_t>(product1 >> 32) ^ c[1] ^ key0,
-                                   static_cast<std::uint32_t>(product1),
-                                   static_cast<std::uint32_t>(product0 >> 32) ^ c[3] ^ key1,
-                                   static_cast<std::uint32_t>(product0)};
+    const std::uint32_t next[4] = {
+        static_cast<std::uint32_t>(product1 >> 32) ^ c[1] ^ key0, static_cast<std::uint32_t>(product1),
+        static_cast<std::uint32_t>(product0 >> 32) ^ c[3] ^ key1, static_cast<std::uint32_t>(product0)};
     for (int i = 0; i < 4; ++i) {
       c[i] = next[i];
     }
@@ -53,7 +52,9 @@ double Rng::uniform() {
   return static_cast<double>((high << 26) | low) * 0x1p-53;
 }
 
-double Rng::uniform(double low, double high) { return low + (high - low) * uniform(); }
+double Rng::uniform(double low, double high) {
+  return low + (high - low) * uniform();
+}
 
 double Rng::normal() {
   // Box and Muller; the second value is thrown away so that the stream stays a function of the call's index.

@@ -64,7 +64,8 @@ std::optional<Error> check_stage(const std::string& where, double stage, double 
 std::optional<Error> check_pose(const PetalPose& pose, const Petals& petals, const std::string& where) {
   const std::size_t rows = pose.midrib_mm.size();
   if (rows < static_cast<std::size_t>(petals.degree_along) + 1) {
-    return invalid_parameter(where + ".midrib_mm", "must have more points than degree_along", static_cast<double>(rows));
+    return invalid_parameter(where + ".midrib_mm", "must have more points than degree_along",
+                             static_cast<double>(rows));
   }
   double longest = 0.0;
   for (std::size_t j = 0; j < rows; ++j) {
@@ -126,13 +127,20 @@ std::optional<Error> check_pose(const PetalPose& pose, const Petals& petals, con
 
 std::optional<Error> check_petals(const OrganShape& shape, std::size_t index, const std::string& where) {
   const Petals& petals = shape.petals[index];
-  if (auto error = check_whole(where + ".count", petals.count, 1, 64)) return error;
-  if (auto error = check_number(where + ".azimuth_deg", petals.azimuth_deg, -360.0, 360.0)) return error;
-  if (auto error = check_whole(where + ".fused", petals.fused, 0, 256)) return error;
-  if (auto error = check_whole(where + ".degree_across", petals.degree_across, 1, 5)) return error;
-  if (auto error = check_whole(where + ".degree_along", petals.degree_along, 1, 5)) return error;
-  if (auto error = check_positive_function(where + ".spacing", petals.spacing, 0.002, 1.0)) return error;
-  if (auto error = check_positive_function(where + ".vertices", petals.vertices, 1.0, 200.0)) return error;
+  if (auto error = check_whole(where + ".count", petals.count, 1, 64))
+    return error;
+  if (auto error = check_number(where + ".azimuth_deg", petals.azimuth_deg, -360.0, 360.0))
+    return error;
+  if (auto error = check_whole(where + ".fused", petals.fused, 0, 256))
+    return error;
+  if (auto error = check_whole(where + ".degree_across", petals.degree_across, 1, 5))
+    return error;
+  if (auto error = check_whole(where + ".degree_along", petals.degree_along, 1, 5))
+    return error;
+  if (auto error = check_positive_function(where + ".spacing", petals.spacing, 0.002, 1.0))
+    return error;
+  if (auto error = check_positive_function(where + ".vertices", petals.vertices, 1.0, 200.0))
+    return error;
   if (petals.poses.empty()) {
     return invalid_parameter(where + ".poses", "must have at least 1 pose", 0.0);
   }
@@ -141,8 +149,10 @@ std::optional<Error> check_petals(const OrganShape& shape, std::size_t index, co
     const PetalPose& pose = petals.poses[i];
     const PetalPose& first = petals.poses[0];
     const double before = i > 0 ? petals.poses[i - 1].stage : -1.0;
-    if (auto error = check_stage(pose_where, pose.stage, before)) return error;
-    if (auto error = check_pose(pose, petals, pose_where)) return error;
+    if (auto error = check_stage(pose_where, pose.stage, before))
+      return error;
+    if (auto error = check_pose(pose, petals, pose_where))
+      return error;
     const auto points_across = [](const PetalPose& p) { return p.sections.empty() ? 0 : p.sections[0].size(); };
     if (pose.midrib_mm.size() != first.midrib_mm.size() || points_across(pose) != points_across(first)) {
       return invalid_parameter(pose_where, "must have as many points along and across as the first pose",
@@ -151,13 +161,16 @@ std::optional<Error> check_petals(const OrganShape& shape, std::size_t index, co
   }
   if (!petals.fused_with.empty()) {
     const auto end = shape.petals.begin() + static_cast<std::ptrdiff_t>(index);
-    const auto other = std::find_if(shape.petals.begin(), end, [&](const Petals& p) { return p.name == petals.fused_with; });
+    const auto other =
+        std::find_if(shape.petals.begin(), end, [&](const Petals& p) { return p.name == petals.fused_with; });
     if (other == end) {
-      return invalid_parameter(where + ".fused_with", "must name a set of petals that stands before", petals.fused_with);
+      return invalid_parameter(where + ".fused_with", "must name a set of petals that stands before",
+                               petals.fused_with);
     }
     if (petals.count != 1 || other->count != 1 || other->mirrored || petals.azimuth_deg != 0.0 ||
         other->azimuth_deg != 0.0) {
-      return invalid_parameter(where + ".fused_with", "must join petals of count 1 and azimuth_deg 0", petals.fused_with);
+      return invalid_parameter(where + ".fused_with", "must join petals of count 1 and azimuth_deg 0",
+                               petals.fused_with);
     }
     if (petals.poses[0].midrib_mm.size() != other->poses[0].midrib_mm.size() ||
         petals.degree_along != other->degree_along) {
@@ -172,13 +185,20 @@ std::optional<Error> check_petals(const OrganShape& shape, std::size_t index, co
 }
 
 std::optional<Error> check_column(const Column& column, const std::string& where) {
-  if (auto error = check_whole(where + ".count", column.count, 1, 256)) return error;
-  if (auto error = check_number(where + ".azimuth_deg", column.azimuth_deg, -360.0, 360.0)) return error;
-  if (auto error = check_number(where + ".ring_radius_mm", column.ring_radius_mm, 0.0, kLongestMm)) return error;
-  if (auto error = check_number(where + ".base_mm", column.base_mm, -kLongestMm, kLongestMm)) return error;
-  if (auto error = check_whole(where + ".sides", column.sides, 3, 64)) return error;
-  if (auto error = check_whole(where + ".rings", column.rings, 2, 64)) return error;
-  if (auto error = check_whole(where + ".degree", column.degree, 1, 5)) return error;
+  if (auto error = check_whole(where + ".count", column.count, 1, 256))
+    return error;
+  if (auto error = check_number(where + ".azimuth_deg", column.azimuth_deg, -360.0, 360.0))
+    return error;
+  if (auto error = check_number(where + ".ring_radius_mm", column.ring_radius_mm, 0.0, kLongestMm))
+    return error;
+  if (auto error = check_number(where + ".base_mm", column.base_mm, -kLongestMm, kLongestMm))
+    return error;
+  if (auto error = check_whole(where + ".sides", column.sides, 3, 64))
+    return error;
+  if (auto error = check_whole(where + ".rings", column.rings, 2, 64))
+    return error;
+  if (auto error = check_whole(where + ".degree", column.degree, 1, 5))
+    return error;
   if (column.poses.empty()) {
     return invalid_parameter(where + ".poses", "must have at least 1 pose", 0.0);
   }
@@ -186,8 +206,10 @@ std::optional<Error> check_column(const Column& column, const std::string& where
     const std::string pose_where = at(where, "poses", i);
     const ColumnPose& pose = column.poses[i];
     const double before = i > 0 ? column.poses[i - 1].stage : -1.0;
-    if (auto error = check_stage(pose_where, pose.stage, before)) return error;
-    if (auto error = check_number(pose_where + ".lean_deg", pose.lean_deg, -180.0, 180.0)) return error;
+    if (auto error = check_stage(pose_where, pose.stage, before))
+      return error;
+    if (auto error = check_number(pose_where + ".lean_deg", pose.lean_deg, -180.0, 180.0))
+      return error;
     if (pose.profile_mm.size() < static_cast<std::size_t>(column.degree) + 1 ||
         pose.profile_mm.size() != column.poses[0].profile_mm.size()) {
       return invalid_parameter(pose_where + ".profile_mm",
@@ -195,8 +217,10 @@ std::optional<Error> check_column(const Column& column, const std::string& where
                                static_cast<double>(pose.profile_mm.size()));
     }
     for (const Vec2 point : pose.profile_mm) {
-      if (auto error = check_number(pose_where + ".profile_mm", point.x, 0.0, kLongestMm)) return error;
-      if (auto error = check_number(pose_where + ".profile_mm", point.y, -kLongestMm, kLongestMm)) return error;
+      if (auto error = check_number(pose_where + ".profile_mm", point.x, 0.0, kLongestMm))
+        return error;
+      if (auto error = check_number(pose_where + ".profile_mm", point.y, -kLongestMm, kLongestMm))
+        return error;
     }
   }
   return std::nullopt;
@@ -209,15 +233,20 @@ std::optional<Error> check(const OrganShape& shape, std::string_view where) {
     return invalid_parameter(where, "must have petals or columns", "none");
   }
   for (std::size_t i = 0; i < shape.petals.size(); ++i) {
-    if (auto error = check_petals(shape, i, at(where, "petals", i))) return error;
+    if (auto error = check_petals(shape, i, at(where, "petals", i)))
+      return error;
   }
   for (std::size_t i = 0; i < shape.columns.size(); ++i) {
-    if (auto error = check_column(shape.columns[i], at(where, "columns", i))) return error;
+    if (auto error = check_column(shape.columns[i], at(where, "columns", i)))
+      return error;
   }
   const std::string variation = std::string(where) + ".shape_variation";
-  if (auto error = check_range(variation + ".curl_deg", shape.variation.curl_deg, -360.0, 360.0)) return error;
-  if (auto error = check_range(variation + ".twist_deg", shape.variation.twist_deg, -360.0, 360.0)) return error;
-  if (auto error = check_range(variation + ".sway_deg", shape.variation.sway_deg, -360.0, 360.0)) return error;
+  if (auto error = check_range(variation + ".curl_deg", shape.variation.curl_deg, -360.0, 360.0))
+    return error;
+  if (auto error = check_range(variation + ".twist_deg", shape.variation.twist_deg, -360.0, 360.0))
+    return error;
+  if (auto error = check_range(variation + ".sway_deg", shape.variation.sway_deg, -360.0, 360.0))
+    return error;
   return check_range(variation + ".width", shape.variation.width, 0.01, 100.0);
 }
 

@@ -17,9 +17,6 @@
 namespace anthesis {
 namespace {
 
-/// Vertices of one template are limited, so that no species file can ask for all the memory there is.
-constexpr std::size_t kMaxVertices = 1'000'000;
-
 /// One copy of a petal: first mirrored in y = 0, then turned about the axis.
 struct Copy {
   double azimuth_rad = 0.0;
@@ -30,13 +27,13 @@ struct Copy {
 /// A set of petals: its poses and where its vertices are.
 struct PetalSurface {
   std::vector<PoseBlend> poses;  ///< of plain copies; then, if there are any, of mirrored ones before they are mirrored
-  int ring = 1;          ///< petals around the axis, for fused margins
+  int ring = 1;                  ///< petals around the axis, for fused margins
   int fused = 0;
-  int fused_with = -1;   ///< index of an earlier surface, or -1
+  int fused_with = -1;  ///< index of an earlier surface, or -1
   int degree_across = 3;
   int degree_along = 3;
-  std::vector<Vec2> uvs;             ///< of one copy
-  std::vector<BasisFunctions> u;     ///< by vertex of one copy
+  std::vector<Vec2> uvs;          ///< of one copy
+  std::vector<BasisFunctions> u;  ///< by vertex of one copy
   std::vector<BasisFunctions> v;
   std::vector<Copy> copies;
 };
@@ -47,13 +44,31 @@ struct ColumnSurface {
   std::vector<double> leans_rad;
   double ring_radius_mm = 0.0;
   double base_mm = 0.0;
-  std::vector<BasisFunctions> basis;  ///< by ring of vertices
+  std::vector<BasisFunctions> basis;              ///< by ring of vertices
   std::vector<std::vector<math::SinCos>> around;  ///< by ring, by vertex in it
   std::vector<Copy> copies;
 };
 
 Vec3 turn(Vec3 p, math::SinCos azimuth) {
   return {azimuth.cos * p.x - azimuth.sin * p.y, azimuth.sin * p.x + azimuth.cos * p.y, p.z};
+}
+
+/// The set of petals that says where the rows of vertices are: margins meet vertex by vertex only on the same rows.
+const Petals& rows_of(const Petals& set, const OrganShape& shape) {
+  const auto other = std::find_if(shape.petals.begin(), shape.petals.end(),
+                                  [&](const Petals& petals) { return petals.name == set.fused_with; });
+  return set.fused_with.empty() || other == shape.petals.end() ? set : *other;
+}
+
+/// The rings of vertices of a column.
+struct Rings {
+  int sides = 3;
+  int count = 2;
+};
+
+Rings rings_of(const Column& column, double detail) {
+  return {std::max(3, static_cast<int>(std::lround(column.sides * detail))),
+          std::max(2, 1 + static_cast<int>(std::lround((column.rings - 1) * detail)))};
 }
 
 ShapeDeviation draw(const ShapeVariation& variation, std::uint64_t seed, std::uint32_t variant) {
@@ -91,31 +106,50 @@ struct OrganTemplate::State {
                        std::vector<std::optional<ControlMesh>>& known) const;
 };
 
-std::span<const Triangle> OrganTemplate::triangles() const { return state_->triangles; }
-std::span<const Vec2> OrganTemplate::uvs() const { return state_->uvs; }
-std::span<const TemplateGroup> OrganTemplate::groups() const { return state_->groups; }
-std::size_t OrganTemplate::vertex_count() const { return state_->uvs.size(); }
-std::span<const std::uint32_t> OrganTemplate::twins() const { return state_->twins; }
+std::span<const Triangle> OrganTemplate::triangles() const {
+  return state_->triangles;
+}
+std::span<const Vec2> OrganTemplate::uvs() const {
+  return state_->uvs;
+}
+std::span<const TemplateGroup> OrganTemplate::groups() const {
+  return state_->groups;
+}
+std::size_t OrganTemplate::vertex_count() const {
+  return state_->uvs.size();
+}
+std::span<const std::uint32_t> OrganTemplate::twins() const {
+  return state_->twins;
+}
+
+std::size_t OrganTemplate::count_vertices(const OrganShape& shape, double detail) {
+  std::size_t count = 0;
+  for (const Petals& set : shape.petals) {
+    const FunctionGraph spacing(rows_of(set, shape).spacing);
+    count += anthesis::count_vertices(spacing, FunctionGraph(set.vertices), detail) *
+             static_cast<std::size_t>(set.count * (set.mirrored ? 2 : 1));
+  }
+  for (const Column& column : shape.columns) {
+    const Rings rings = rings_of(column, detail);
+    count += static_cast<std::size_t>(rings.sides + 1) * rings.count * column.count;
+  }
+  return count;
+}
 
 Expected<OrganTemplate> OrganTemplate::build(const OrganShape& shape, double detail, std::uint64_t seed,
                                              std::uint32_t variant) {
+  if (count_vertices(shape, detail) > kMaxVertices) {
+    return unexpected(Error{ErrorCode::kTooLarge, "",
+                            "must have at most " + std::to_string(kMaxVertices) +
+                                " vertices, got more: lower the detail or the numbers of vertices"});
+  }
   auto state = std::make_shared<State>();
   const ShapeDeviation deviation = draw(shape.variation, seed, variant);
   for (const Petals& petals : shape.petals) {
     state->add(petals, shape, detail, deviation);
-    if (state->uvs.size() > kMaxVertices) {
-      break;
-    }
   }
   for (const Column& column : shape.columns) {
-    if (state->uvs.size() > kMaxVertices) {
-      break;
-    }
     state->add(column, detail);
-  }
-  if (state->uvs.size() > kMaxVertices) {
-    return unexpected(Error{ErrorCode::kTooLarge, "", "must have at most " + std::to_string(kMaxVertices) +
-                                                          " vertices in one organ, got more: lower the detail"});
   }
   // Chains of twins are shortened so that each names the smallest of its place.
   for (std::uint32_t i = 0; i < state->twins.size(); ++i) {
@@ -186,14 +220,10 @@ void OrganTemplate::State::add(const Petals& set, const OrganShape& shape, doubl
   surface.fused = set.fused;
   surface.degree_across = set.degree_across;
   surface.degree_along = set.degree_along;
-  const Petals* rows_from = &set;
-  for (std::size_t i = 0; i < shape.petals.size(); ++i) {
-    if (!set.fused_with.empty() && shape.petals[i].name == set.fused_with) {
-      surface.fused_with = static_cast<int>(i);
-      rows_from = &shape.petals[i];  // margins meet vertex by vertex only if both have the same rows
-    }
+  if (!set.fused_with.empty()) {
+    surface.fused_with = static_cast<int>(&rows_of(set, shape) - shape.petals.data());
   }
-  const FlatMesh flat = polygonize(FunctionGraph(rows_from->spacing), FunctionGraph(set.vertices), detail);
+  const FlatMesh flat = polygonize(FunctionGraph(rows_of(set, shape).spacing), FunctionGraph(set.vertices), detail);
   surface.uvs = flat.uvs;
   for (const Vec2 uv : flat.uvs) {
     surface.u.push_back(clamped_basis(surface.poses[0].across(), set.degree_across, uv.x));
@@ -270,8 +300,7 @@ void OrganTemplate::State::add(const Column& column, double detail) {
     point_below = point_below && pose.profile_mm.front().x == 0.0;
     point_above = point_above && pose.profile_mm.back().x == 0.0;
   }
-  const int sides = std::max(3, static_cast<int>(std::lround(column.sides * detail)));
-  const int rings = std::max(2, 1 + static_cast<int>(std::lround((column.rings - 1) * detail)));
+  const auto [sides, rings] = rings_of(column, detail);
   FlatMesh flat;
   std::vector<std::uint32_t> first_of_ring;
   for (int j = 0; j < rings; ++j) {
@@ -360,17 +389,19 @@ void OrganTemplate::pose(double stage, std::span<Vec3> positions_mm, std::span<V
     const auto later = std::upper_bound(surface.stages.begin(), surface.stages.end(), stage);
     const std::size_t after =
         std::min(static_cast<std::size_t>(later - surface.stages.begin()), surface.stages.size() - 1);
-    const std::size_t before = later == surface.stages.begin() ? 0 : static_cast<std::size_t>(later - surface.stages.begin()) - 1;
+    const std::size_t before =
+        later == surface.stages.begin() ? 0 : static_cast<std::size_t>(later - surface.stages.begin()) - 1;
     const double gap = surface.stages[after] - surface.stages[before];
     const double share = gap > 0.0 ? (stage - surface.stages[before]) / gap : 0.0;
-    const auto [lean_sine, lean_cosine] = math::sin_cos(lerp(surface.leans_rad[before], surface.leans_rad[after], share));
+    const auto [lean_sine, lean_cosine] =
+        math::sin_cos(lerp(surface.leans_rad[before], surface.leans_rad[after], share));
     one.clear();
     for (std::size_t j = 0; j < surface.basis.size(); ++j) {
       const BasisFunctions& basis = surface.basis[j];
       Vec2 point{};
       for (int k = 0; k < basis.count; ++k) {
-        point += basis.weight[k] * lerp(surface.profiles_mm[before][basis.first + k],
-                                        surface.profiles_mm[after][basis.first + k], share);
+        point += basis.weight[k] *
+                 lerp(surface.profiles_mm[before][basis.first + k], surface.profiles_mm[after][basis.first + k], share);
       }
       for (const math::SinCos& around : surface.around[j]) {
         const Vec3 upright{point.x * around.cos, point.x * around.sin, point.y};

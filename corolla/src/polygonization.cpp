@@ -30,6 +30,24 @@ int vertices_across(double eta, double detail) {
   return intervals <= 0.0 ? 1 : std::max(2, 1 + static_cast<int>(std::lround(intervals * detail)));
 }
 
+namespace {
+
+int vertices_in_row(const std::vector<double>& rows, std::size_t row, const FunctionGraph& vertices, double detail) {
+  const bool end = row == 0 || row + 1 == rows.size();
+  return std::max(vertices_across(vertices(rows[row]), detail), end ? 1 : 2);
+}
+
+}  // namespace
+
+std::size_t count_vertices(const FunctionGraph& spacing, const FunctionGraph& vertices, double detail) {
+  const std::vector<double> rows = vertex_rows(spacing, detail);
+  std::size_t count = 0;
+  for (std::size_t j = 0; j < rows.size(); ++j) {
+    count += static_cast<std::size_t>(vertices_in_row(rows, j, vertices, detail));
+  }
+  return count;
+}
+
 FlatMesh polygonize(const FunctionGraph& spacing, const FunctionGraph& vertices, double detail) {
   FlatMesh mesh;
   mesh.rows = vertex_rows(spacing, detail);
@@ -39,8 +57,7 @@ FlatMesh polygonize(const FunctionGraph& spacing, const FunctionGraph& vertices,
   const auto intervals = static_cast<double>(mesh.rows.size() - 1);
   std::vector<Vec2> apart;
   for (std::size_t j = 0; j < mesh.rows.size(); ++j) {
-    const bool end = j == 0 || j + 1 == mesh.rows.size();
-    const int across = std::max(vertices_across(vertices(mesh.rows[j]), detail), end ? 1 : 2);
+    const int across = vertices_in_row(mesh.rows, j, vertices, detail);
     for (int i = 0; i < across; ++i) {
       const double u = across == 1 ? 0.5 : static_cast<double>(i) / (across - 1);
       mesh.uvs.push_back({u, mesh.rows[j]});

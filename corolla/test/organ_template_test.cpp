@@ -28,10 +28,9 @@ OrganShape tube() {
   petals.degree_across = 2;
   petals.spacing = {{0, 0.1}, {1, 0.1}};
   petals.vertices = {{0, 3}, {0.8, 3}, {1, 1}};
-  petals.poses = {pose(0, {{1, 0}, {1, 2}, {1, 4}, {1.1, 6}, {1.1, 7}, {0.6, 8}, {0.1, 8.2}},
-                       {0.6, 0.6, 0.6, 0.65, 0.65, 0.3, 0}),
-                  pose(1, {{1, 0}, {1, 2}, {1, 4}, {1.2, 6}, {1.4, 7}, {2.4, 7.6}, {3, 7.2}},
-                       {0.6, 0.6, 0.6, 0.7, 0.7, 0.4, 0})};
+  petals.poses = {
+      pose(0, {{1, 0}, {1, 2}, {1, 4}, {1.1, 6}, {1.1, 7}, {0.6, 8}, {0.1, 8.2}}, {0.6, 0.6, 0.6, 0.65, 0.65, 0.3, 0}),
+      pose(1, {{1, 0}, {1, 2}, {1, 4}, {1.2, 6}, {1.4, 7}, {2.4, 7.6}, {3, 7.2}}, {0.6, 0.6, 0.6, 0.7, 0.7, 0.4, 0})};
   OrganShape shape;
   shape.petals = {petals};
   return shape;
@@ -147,10 +146,12 @@ TEST(OrganTemplate, ATwistedLiguleKeepsItsLateralPetalsBesideTheMedianOne) {
   // Along each row the three petals follow one another from left to right: no step back at the seams.
   const TemplateGroup lateral = organ.groups()[1];
   for (const std::uint32_t row : {2u, 5u, 8u}) {
-    const auto vertex = [&](std::uint32_t first, std::uint32_t column) { return posed.positions_mm[first + 3 * row + column]; };
+    const auto vertex = [&](std::uint32_t first, std::uint32_t column) {
+      return posed.positions_mm[first + 3 * row + column];
+    };
     const std::uint32_t left = lateral.first_vertex;
     const std::uint32_t right = left + lateral.vertex_count / 2;  // mirrored: its u runs from right to left
-    const Vec3 line[] = {vertex(left, 0), vertex(left, 1), vertex(left, 2), vertex(0, 1),
+    const Vec3 line[] = {vertex(left, 0),  vertex(left, 1),  vertex(left, 2), vertex(0, 1),
                          vertex(right, 2), vertex(right, 1), vertex(right, 0)};
     for (int i = 1; i + 1 < 7; ++i) {
       EXPECT_GT(dot(normalized(line[i] - line[i - 1]), normalized(line[i + 1] - line[i])), 0.7) << row << " " << i;
@@ -182,7 +183,8 @@ TEST(OrganTemplate, ColumnsArePointedClosedAndFaceOutwards) {
   column.name = "style";
   column.count = 3;
   column.ring_radius_mm = 2.0;
-  column.poses = {{0.0, {{0.5, 0}, {0.5, 1}, {0.4, 2}, {0.0, 3}}, 0.0}, {1.0, {{0.5, 0}, {0.5, 2}, {0.4, 5}, {0.0, 6}}, 30.0}};
+  column.poses = {{0.0, {{0.5, 0}, {0.5, 1}, {0.4, 2}, {0.0, 3}}, 0.0},
+                  {1.0, {{0.5, 0}, {0.5, 2}, {0.4, 5}, {0.0, 6}}, 30.0}};
   OrganShape shape;
   shape.columns = {column};
   const OrganTemplate organ = *OrganTemplate::build(shape, 1.0, 1, 0);
@@ -216,6 +218,22 @@ TEST(OrganTemplate, VariantsDifferAndRepeat) {
   EXPECT_EQ(tip(1, 2), tip(1, 2));
   EXPECT_NE(tip(1, 2), tip(1, 3));
   EXPECT_NE(tip(1, 2), tip(2, 2));
+}
+
+TEST(OrganTemplate, VerticesAreCountedBeforeTheyAreMade) {
+  for (const OrganShape& shape : {tube(), ligule()}) {
+    for (const double detail : {0.3, 1.0, 2.5}) {
+      EXPECT_EQ(OrganTemplate::count_vertices(shape, detail),
+                OrganTemplate::build(shape, detail, 1, 0)->vertex_count());
+    }
+  }
+  OrganShape huge = tube();
+  huge.petals[0].count = 64;
+  huge.petals[0].spacing = {{0, 0.002}, {1, 0.002}};
+  huge.petals[0].vertices = {{0, 200}, {1, 200}};
+  const auto refused = OrganTemplate::build(huge, 8.0, 1, 0);
+  ASSERT_FALSE(refused);
+  EXPECT_EQ(refused.error().code, ErrorCode::kTooLarge);
 }
 
 TEST(CheckOrganShape, NamesWhatIsWrong) {

@@ -34,12 +34,12 @@ TEST_P(BuiltinSpeciesTest, NoTriangleIsDegenerateOrInvertedAtAnyStage) {
           for (int i = 0; i < 3; ++i) {
             longest = std::max(longest, length(positions[t[(i + 1) % 3]] - positions[t[i]]));
           }
-          ASSERT_GT(length(normal), 1e-3 * longest * longest)
-              << group.name << " of template " << index << " at stage " << step / 50.0 << ", v = " << organ.uvs()[t[0]].y;
+          ASSERT_GT(length(normal), 1e-3 * longest * longest) << group.name << " of template " << index << " at stage "
+                                                              << step / 50.0 << ", v = " << organ.uvs()[t[0]].y;
           // A vertex normal is the mean of the faces about it: a face that turns from it has folded over.
           const Vec3 mean = normals[t[0]] + normals[t[1]] + normals[t[2]];
-          ASSERT_GT(dot(normal, mean), 0.0)
-              << group.name << " of template " << index << " at stage " << step / 50.0 << ", v = " << organ.uvs()[t[0]].y;
+          ASSERT_GT(dot(normal, mean), 0.0) << group.name << " of template " << index << " at stage " << step / 50.0
+                                            << ", v = " << organ.uvs()[t[0]].y;
         }
       }
     }

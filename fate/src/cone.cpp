@@ -24,8 +24,8 @@ std::vector<double> nearest_in_cone_mm(std::span<const Vec2> florets_mm, Vec2 ce
       const Vec2 to = florets_mm[j] - apex;
       return everywhere || dot(to, axis) > cosine * length(to);
     };
-    // Inner normals of the cone's two sides. A cone up to a half plane is what both sides allow, a wider one what either
-    // allows; a rectangle whose four corners a side forbids is forbidden by it whole.
+    // Inner normals of the cone's two sides. A cone up to a half plane is what both sides allow, a wider one what
+    // either allows; a rectangle whose four corners a side forbids is forbidden by it whole.
     const Vec2 left{sine * axis.x + cosine * axis.y, sine * axis.y - cosine * axis.x};
     const Vec2 right{sine * axis.x - cosine * axis.y, sine * axis.y + cosine * axis.x};
     const auto meets = [&](const Box2& box) {
@@ -48,7 +48,8 @@ std::vector<double> nearest_in_cone_mm(std::span<const Vec2> florets_mm, Vec2 ce
 
 std::size_t count_with_room(std::span<const Vec2> florets_mm, Vec2 centre_mm, double cone_rad) {
   const std::vector<double> distance = nearest_in_cone_mm(florets_mm, centre_mm, cone_rad);
-  return static_cast<std::size_t>(std::count(distance.begin(), distance.end(), std::numeric_limits<double>::infinity()));
+  return static_cast<std::size_t>(
+      std::count(distance.begin(), distance.end(), std::numeric_limits<double>::infinity()));
 }
 
 }  // namespace anthesis

@@ -24,8 +24,8 @@ double chebyshev_sum(const std::array<double, N>& c, double x) {
 
 template <int N>
 struct ChebyshevTable {
-  std::array<double, N> node{};                        ///< zeros of T_N
-  std::array<std::array<double, N>, N> cosine{};       ///< T_k at node j
+  std::array<double, N> node{};                   ///< zeros of T_N
+  std::array<std::array<double, N>, N> cosine{};  ///< T_k at node j
   ChebyshevTable() {
     for (int j = 0; j < N; ++j) {
       for (int k = 0; k < N; ++k) {
@@ -98,8 +98,8 @@ double CumulativeIntegral::at(double x) const {
 }
 
 double CumulativeIntegral::inverse(double amount) const {
-  const auto after = std::upper_bound(pieces_.begin(), pieces_.end(), amount,
-                                      [](double a, const Piece& p) { return a < p.before; });
+  const auto after =
+      std::upper_bound(pieces_.begin(), pieces_.end(), amount, [](double a, const Piece& p) { return a < p.before; });
   const Piece& piece = after == pieces_.begin() ? pieces_.front() : *(after - 1);
   const double target = amount - piece.before;
   if (target <= 0.0) {

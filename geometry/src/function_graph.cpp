@@ -49,7 +49,8 @@ std::optional<Error> check_function(std::span<const Vec2> points, std::string_vi
   }
   for (std::size_t i = 0; i < points.size(); ++i) {
     if (!std::isfinite(points[i].x) || !std::isfinite(points[i].y)) {
-      return invalid_parameter(where, "must have finite points", std::isfinite(points[i].x) ? points[i].y : points[i].x);
+      return invalid_parameter(where, "must have finite points",
+                               std::isfinite(points[i].x) ? points[i].y : points[i].x);
     }
     if (i > 0 && points[i].x < points[i - 1].x) {
       return invalid_parameter(where, "must have points with ascending x", points[i].x);

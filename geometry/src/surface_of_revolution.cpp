@@ -15,7 +15,9 @@ SurfaceOfRevolution::SurfaceOfRevolution(std::vector<Vec2> controls_mm, int degr
   area_ = CumulativeIntegral([this](double t) { return math::kTurnRad * radius_mm(t) * speed_mm(t); }, knots);
 }
 
-double SurfaceOfRevolution::speed_mm(double t) const { return length(profile_.derivative(t)); }
+double SurfaceOfRevolution::speed_mm(double t) const {
+  return length(profile_.derivative(t));
+}
 
 SurfaceFrame SurfaceOfRevolution::frame(double t, double azimuth_rad) const {
   const Vec2 point = profile_.at(t);

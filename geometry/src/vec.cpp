@@ -39,7 +39,8 @@ Quaternion rotation_between(Vec3 from, Vec3 to, Vec3 fallback_axis) {
 }
 
 Quaternion rotation_from_axes(Vec3 x, Vec3 y, Vec3 z) {
-  // The largest of the four squared components is found first, so that no division is by a small number (Shepperd 1978).
+  // The largest of the four squared components is found first, so that no division is by a small number (Shepperd
+  // 1978).
   const double trace = x.x + y.y + z.z;
   Quaternion q;
   if (trace >= x.x && trace >= y.y && trace >= z.z) {
@@ -74,8 +75,8 @@ Quaternion slerp(Quaternion a, Quaternion b, double t) {
     from = math::sin((1.0 - t) * angle) / whole;
     to = math::sin(t * angle) / whole;
   }
-  return normalized(Quaternion{from * a.w + to * b.w, from * a.x + to * b.x, from * a.y + to * b.y,
-                               from * a.z + to * b.z});
+  return normalized(
+      Quaternion{from * a.w + to * b.w, from * a.x + to * b.x, from * a.y + to * b.y, from * a.z + to * b.z});
 }
 
 Placement operator*(const Placement& a, const Placement& b) {

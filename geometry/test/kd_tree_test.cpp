@@ -36,7 +36,8 @@ TEST(KdTree2, FindsTheNearestAcceptablePointAsAllPairsDo) {
 
 TEST(KdTree2, NoPointsNoNeighbour) {
   const KdTree2 tree({});
-  EXPECT_FALSE(tree.nearest({}, [](std::uint32_t) { return true; }, [](const Box2&) { return true; }));
+  EXPECT_FALSE(tree.nearest(
+      {}, [](std::uint32_t) { return true; }, [](const Box2&) { return true; }));
 }
 
 TEST(KdTree2, VisitsFewPointsOfMany) {

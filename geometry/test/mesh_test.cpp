@@ -27,7 +27,8 @@ TEST(SmoothNormals, OfAClosedTubeAreRadialAcrossItsSeam) {
   smooth_normals(tube.positions_mm, tube.triangles, twin, tube.normals);
   for (std::size_t i = 0; i < tube.normals.size(); ++i) {
     const Vec3 p = tube.positions_mm[i];
-    EXPECT_NEAR(length(tube.normals[i] - Vec3{p.x, p.y, 0.0}), 0.0, 1e-7) << i;  // acos near 0 and 1 costs half the digits
+    EXPECT_NEAR(length(tube.normals[i] - Vec3{p.x, p.y, 0.0}), 0.0, 1e-7)
+        << i;  // acos near 0 and 1 costs half the digits
   }
 }
 

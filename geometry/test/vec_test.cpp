@@ -8,7 +8,9 @@
 namespace anthesis {
 namespace {
 
-Vec3 random_direction(Rng& rng) { return normalized(Vec3{rng.normal(), rng.normal(), rng.normal()}); }
+Vec3 random_direction(Rng& rng) {
+  return normalized(Vec3{rng.normal(), rng.normal(), rng.normal()});
+}
 
 TEST(Quaternion, RotationAboutAnAxisIsCounterClockwise) {
   const Vec3 y = rotate(rotation_about({0, 0, 1}, 0.5 * math::kPi), {1, 0, 0});

@@ -12,7 +12,9 @@
 namespace anthesis {
 namespace {
 
+// No species file may ask for all the memory there is.
 constexpr std::size_t kMaxOrgans = 100'000;
+constexpr std::size_t kMaxTemplateVertices = 2'000'000;
 constexpr int kReceptacleRings = 40;
 constexpr int kReceptacleSides = 48;
 constexpr int kPeduncleRings = 24;
@@ -248,6 +250,15 @@ std::optional<Error> Development::State::build_templates(const Progress& progres
     const int variants = species.organs[kind].variants;
     for (int variant = 0; variant < variants; ++variant) {
       jobs.push_back({kind, static_cast<std::uint32_t>(variants == 1 ? 0 : variant + 1)});
+    }
+  }
+  std::size_t vertices = 0;
+  for (const OrganKind& kind : species.organs) {
+    vertices += static_cast<std::size_t>(kind.variants) * OrganTemplate::count_vertices(kind.shape, options.detail);
+    if (vertices > kMaxTemplateVertices) {
+      return Error{ErrorCode::kTooLarge, "organs." + kind.name,
+                   "must leave all kinds and variants together at most " + std::to_string(kMaxTemplateVertices) +
+                       " vertices, got more: lower the detail, the variants or the numbers of vertices"};
     }
   }
   std::vector<std::optional<Expected<OrganTemplate>>> built(jobs.size());

@@ -42,8 +42,8 @@ std::optional<Error> check_range(const std::string& where, const Range& range, d
 }
 
 /// kUnknownParameter for a name that is used but nowhere defined.
-std::optional<Error> check_name(const std::string& where, const std::string& name, const std::vector<std::string>& known,
-                                std::string_view what) {
+std::optional<Error> check_name(const std::string& where, const std::string& name,
+                                const std::vector<std::string>& known, std::string_view what) {
   if (std::find(known.begin(), known.end(), name) != known.end()) {
     return std::nullopt;
   }
@@ -72,13 +72,16 @@ std::optional<Error> check_head(const Head& head, const std::vector<std::string>
   for (std::size_t i = 0; i < head.receptacle.size(); ++i) {
     const ReceptacleProfile& profile = head.receptacle[i];
     const std::string where = "head.receptacle[" + std::to_string(i) + "]";
-    if (auto error = check_profile(profile.points, where + ".points")) return error;
+    if (auto error = check_profile(profile.points, where + ".points"))
+      return error;
     for (const Vec2 point : profile.points) {
       for (const double value : {point.x, point.y}) {
-        if (auto error = check_number(where + ".points", value, -1e6, 1e6)) return error;
+        if (auto error = check_number(where + ".points", value, -1e6, 1e6))
+          return error;
       }
     }
-    if (auto error = check_number(where + ".time", profile.time, 0.0, 1.0)) return error;
+    if (auto error = check_number(where + ".time", profile.time, 0.0, 1.0))
+      return error;
     if (i > 0 && profile.time <= head.receptacle[i - 1].time) {
       return invalid_parameter(where + ".time", "must be later than the profile before", profile.time);
     }
@@ -87,14 +90,21 @@ std::optional<Error> check_head(const Head& head, const std::vector<std::string>
                                static_cast<double>(profile.points.size()));
     }
   }
-  if (auto error = check_number("head.divergence_deg", head.divergence_deg, -360.0, 360.0)) return error;
-  if (auto error = check_number("head.interval", head.interval, 1e-6, 1.0)) return error;
-  if (auto error = check_number("head.meristem_area_mm2", head.meristem_area_mm2, 1e-6, 1e9)) return error;
-  if (auto error = check_values("head.meristem_growth", head.meristem_growth, 1e-6, 1e6)) return error;
-  if (auto error = check_values("head.area_mm2", head.area_mm2, 1e-6, 1e9)) return error;
-  if (auto error = check_values("head.area_growth", head.area_growth, 1e-6, 1e3)) return error;
+  if (auto error = check_number("head.divergence_deg", head.divergence_deg, -360.0, 360.0))
+    return error;
+  if (auto error = check_number("head.interval", head.interval, 1e-6, 1.0))
+    return error;
+  if (auto error = check_number("head.meristem_area_mm2", head.meristem_area_mm2, 1e-6, 1e9))
+    return error;
+  if (auto error = check_values("head.meristem_growth", head.meristem_growth, 1e-6, 1e6))
+    return error;
+  if (auto error = check_values("head.area_mm2", head.area_mm2, 1e-6, 1e9))
+    return error;
+  if (auto error = check_values("head.area_growth", head.area_growth, 1e-6, 1e3))
+    return error;
   if (!head.receptacle_pigment.empty()) {
-    if (auto error = check_name("head.receptacle_pigment", head.receptacle_pigment, pigments, "a pigment")) return error;
+    if (auto error = check_name("head.receptacle_pigment", head.receptacle_pigment, pigments, "a pigment"))
+      return error;
   }
   if (head.zones.empty()) {
     return invalid_parameter("head.zones", "must have at least 1 zone", 0.0);
@@ -103,7 +113,8 @@ std::optional<Error> check_head(const Head& head, const std::vector<std::string>
   std::sort(zones.begin(), zones.end(), [](const Zone& a, const Zone& b) { return a.from < b.from; });
   double covered = 0.0;
   for (const Zone& zone : zones) {
-    if (auto error = check_name("head.zones.organ", zone.organ, organs, "an organ")) return error;
+    if (auto error = check_name("head.zones.organ", zone.organ, organs, "an organ"))
+      return error;
     if (zone.from != covered || !(zone.to > zone.from)) {
       return invalid_parameter("head.zones", "must cover [0, 1] without gap or overlap",
                                to_text(zone.from) + " to " + to_text(zone.to));
@@ -114,8 +125,10 @@ std::optional<Error> check_head(const Head& head, const std::vector<std::string>
     return invalid_parameter("head.zones", "must cover [0, 1] up to 1", covered);
   }
   if (head.fate) {
-    if (auto error = check_name("head.fate.of", head.fate->of, organs, "an organ")) return error;
-    if (auto error = check_name("head.fate.with_room", head.fate->with_room, organs, "an organ")) return error;
+    if (auto error = check_name("head.fate.of", head.fate->of, organs, "an organ"))
+      return error;
+    if (auto error = check_name("head.fate.with_room", head.fate->with_room, organs, "an organ"))
+      return error;
     if (!(head.fate->cone_deg > 0.0 && head.fate->cone_deg < 180.0)) {
       return invalid_parameter("head.fate.cone_deg", "must be in (0, 180)", head.fate->cone_deg);
     }
@@ -125,25 +138,39 @@ std::optional<Error> check_head(const Head& head, const std::vector<std::string>
 
 std::optional<Error> check_organ(const OrganKind& organ, const std::vector<std::string>& pigments) {
   const std::string where = "organs." + organ.name;
-  if (auto error = check(organ.shape, where)) return error;
+  if (auto error = check(organ.shape, where))
+    return error;
   for (const Petals& petals : organ.shape.petals) {
-    if (auto error = check_name(where + ".petals.pigment", petals.pigment, pigments, "a pigment")) return error;
+    if (auto error = check_name(where + ".petals.pigment", petals.pigment, pigments, "a pigment"))
+      return error;
   }
   for (const Column& column : organ.shape.columns) {
-    if (auto error = check_name(where + ".columns.pigment", column.pigment, pigments, "a pigment")) return error;
+    if (auto error = check_name(where + ".columns.pigment", column.pigment, pigments, "a pigment"))
+      return error;
   }
-  if (auto error = check_number(where + ".variants", organ.variants, 1, 64)) return error;
-  if (auto error = check_values(where + ".growth", organ.growth, 0.0, 1e3)) return error;
-  if (auto error = check_values(where + ".opening", organ.opening, 0.0, 1.0)) return error;
-  if (auto error = check_values(where + ".size", organ.size, 0.0, 1e3)) return error;
-  if (auto error = check_values(where + ".pitch_deg", organ.pitch_deg, -180.0, 180.0)) return error;
-  if (auto error = check_number(where + ".layering_deg", organ.layering_deg, -180.0, 180.0)) return error;
-  if (auto error = check_number(where + ".sink_mm", organ.sink_mm, -1e4, 1e4)) return error;
+  if (auto error = check_number(where + ".variants", organ.variants, 1, 64))
+    return error;
+  if (auto error = check_values(where + ".growth", organ.growth, 0.0, 1e3))
+    return error;
+  if (auto error = check_values(where + ".opening", organ.opening, 0.0, 1.0))
+    return error;
+  if (auto error = check_values(where + ".size", organ.size, 0.0, 1e3))
+    return error;
+  if (auto error = check_values(where + ".pitch_deg", organ.pitch_deg, -180.0, 180.0))
+    return error;
+  if (auto error = check_number(where + ".layering_deg", organ.layering_deg, -180.0, 180.0))
+    return error;
+  if (auto error = check_number(where + ".sink_mm", organ.sink_mm, -1e4, 1e4))
+    return error;
   const OrganVariation& v = organ.variation;
-  if (auto error = check_range(where + ".variation.size", v.size, 0.01, 100.0)) return error;
-  if (auto error = check_range(where + ".variation.pitch_deg", v.pitch_deg, -180.0, 180.0)) return error;
-  if (auto error = check_range(where + ".variation.yaw_deg", v.yaw_deg, -180.0, 180.0)) return error;
-  if (auto error = check_range(where + ".variation.roll_deg", v.roll_deg, -180.0, 180.0)) return error;
+  if (auto error = check_range(where + ".variation.size", v.size, 0.01, 100.0))
+    return error;
+  if (auto error = check_range(where + ".variation.pitch_deg", v.pitch_deg, -180.0, 180.0))
+    return error;
+  if (auto error = check_range(where + ".variation.yaw_deg", v.yaw_deg, -180.0, 180.0))
+    return error;
+  if (auto error = check_range(where + ".variation.roll_deg", v.roll_deg, -180.0, 180.0))
+    return error;
   return check_range(where + ".variation.stage", v.stage, -1.0, 1.0);
 }
 
@@ -153,19 +180,25 @@ std::optional<Error> check_pigment(const Pigment& pigment) {
     return invalid_parameter(where + ".colour", "must have at least 1 stop", 0.0);
   }
   for (std::size_t i = 0; i < pigment.colour.size(); ++i) {
-    if (auto error = check_number(where + ".colour", pigment.colour[i].at, i > 0 ? pigment.colour[i - 1].at : 0.0, 1.0)) {
+    if (auto error =
+            check_number(where + ".colour", pigment.colour[i].at, i > 0 ? pigment.colour[i - 1].at : 0.0, 1.0)) {
       return error;
     }
   }
-  if (auto error = check_number(where + ".margin_width", pigment.margin_width, 1e-3, 1.0)) return error;
-  if (auto error = check_number(where + ".veins", pigment.veins, 0, 64)) return error;
-  if (auto error = check_range(where + ".hue_deg", pigment.hue_deg, -180.0, 180.0)) return error;
-  if (auto error = check_range(where + ".value", pigment.value, 0.0, 2.0)) return error;
+  if (auto error = check_number(where + ".margin_width", pigment.margin_width, 1e-3, 1.0))
+    return error;
+  if (auto error = check_number(where + ".veins", pigment.veins, 0, 64))
+    return error;
+  if (auto error = check_range(where + ".hue_deg", pigment.hue_deg, -180.0, 180.0))
+    return error;
+  if (auto error = check_range(where + ".value", pigment.value, 0.0, 2.0))
+    return error;
   const std::pair<const char*, double> shares[] = {
       {"vein_depth", pigment.vein_depth}, {"mottle", pigment.mottle}, {"roughness", pigment.roughness},
       {"specular", pigment.specular},     {"sheen", pigment.sheen},   {"translucency", pigment.translucency}};
   for (const auto& [name, value] : shares) {
-    if (auto error = check_number(where + "." + name, value, 0.0, 1.0)) return error;
+    if (auto error = check_number(where + "." + name, value, 0.0, 1.0))
+      return error;
   }
   return std::nullopt;
 }
@@ -181,20 +214,29 @@ std::optional<Error> check(const Species& species) {
   for (const Pigment& pigment : species.pigments) {
     pigments.push_back(pigment.name);
   }
-  if (auto error = check_unique("organs", organs)) return error;
-  if (auto error = check_unique("pigments", pigments)) return error;
+  if (auto error = check_unique("organs", organs))
+    return error;
+  if (auto error = check_unique("pigments", pigments))
+    return error;
   for (const Pigment& pigment : species.pigments) {
-    if (auto error = check_pigment(pigment)) return error;
+    if (auto error = check_pigment(pigment))
+      return error;
   }
   for (const OrganKind& organ : species.organs) {
-    if (auto error = check_organ(organ, pigments)) return error;
+    if (auto error = check_organ(organ, pigments))
+      return error;
   }
-  if (auto error = check_head(species.head, organs, pigments)) return error;
+  if (auto error = check_head(species.head, organs, pigments))
+    return error;
   const Peduncle& peduncle = species.peduncle;
-  if (auto error = check_number("peduncle.length_mm", peduncle.length_mm, 0.0, 1e5)) return error;
-  if (auto error = check_number("peduncle.radius_mm", peduncle.radius_mm, 1e-3, 1e4)) return error;
-  if (auto error = check_number("peduncle.bend_deg", peduncle.bend_deg, -180.0, 180.0)) return error;
-  if (auto error = check_values("peduncle.growth", peduncle.growth, 1e-3, 1e3)) return error;
+  if (auto error = check_number("peduncle.length_mm", peduncle.length_mm, 0.0, 1e5))
+    return error;
+  if (auto error = check_number("peduncle.radius_mm", peduncle.radius_mm, 1e-3, 1e4))
+    return error;
+  if (auto error = check_number("peduncle.bend_deg", peduncle.bend_deg, -180.0, 180.0))
+    return error;
+  if (auto error = check_values("peduncle.growth", peduncle.growth, 1e-3, 1e3))
+    return error;
   if (peduncle.length_mm > 0.0) {
     return check_name("peduncle.pigment", peduncle.pigment, pigments, "a pigment");
   }

@@ -194,8 +194,7 @@ TEST(Development, RefusesBadSpeciesAndStopsWhenAsked) {
   species.head.interval = -1.0;
   EXPECT_EQ(Development::grow(species, {}).error().where, "head.interval");
   EXPECT_EQ(Development::grow(small_head(), {.detail = 0.0}).error().where, "detail");
-  const auto cancelled =
-      Development::grow(small_head(), {}, [](std::string_view, double) { return false; });
+  const auto cancelled = Development::grow(small_head(), {}, [](std::string_view, double) { return false; });
   EXPECT_EQ(cancelled.error().code, ErrorCode::kCancelled);
 }
 

@@ -26,7 +26,9 @@ Species disc() {
   return species;
 }
 
-TEST(CheckSpecies, AcceptsASmallDisc) { EXPECT_FALSE(check(disc())) << to_string(*check(disc())); }
+TEST(CheckSpecies, AcceptsASmallDisc) {
+  EXPECT_FALSE(check(disc())) << to_string(*check(disc()));
+}
 
 TEST(CheckSpecies, NamesTheFieldTheRuleAndTheValue) {
   Species species = disc();

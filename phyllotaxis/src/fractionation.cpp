@@ -8,7 +8,9 @@
 namespace anthesis {
 namespace {
 
-int degree_for(std::size_t points) { return std::min(3, static_cast<int>(points) - 1); }
+int degree_for(std::size_t points) {
+  return std::min(3, static_cast<int>(points) - 1);
+}
 
 /// Azimuth k * divergence in [0, 2 pi), computed as a product so that it does not inherit rounding.
 double azimuth_of(std::size_t k, double divergence_rad) {
@@ -58,8 +60,9 @@ Expected<Fractionation> Fractionation::run(FractionationParams params, std::size
   std::vector<Primordium>& primordia = result.primordia_;
   result.taken_.push_back(0.0);
 
-  // The places of birth need the share of the naked region in the whole surface at each birth. All primordia grow by one
-  // function of age and ages at births are multiples of the interval, so the function is looked up once for each age.
+  // The places of birth need the share of the naked region in the whole surface at each birth. All primordia grow by
+  // one function of age and ages at births are multiples of the interval, so the function is looked up once for each
+  // age.
   std::vector<double> growth_at_age;
   const bool shape_changes = p.profiles.size() > 1;
   std::optional<SurfaceOfRevolution> shape;
@@ -89,8 +92,8 @@ Expected<Fractionation> Fractionation::run(FractionationParams params, std::size
       break;  // O16: the process ends when less than one primordium's area is left
     }
     if (primordia.size() == limit) {
-      return unexpected(Error{ErrorCode::kTooLarge, "interval",
-                              "must give at most " + std::to_string(limit) + " organs, got more"});
+      return unexpected(
+          Error{ErrorCode::kTooLarge, "interval", "must give at most " + std::to_string(limit) + " organs, got more"});
     }
     if (!report(progress, "pattern", birth)) {
       return unexpected(Error{ErrorCode::kCancelled, "", "cancelled"});

@@ -12,7 +12,8 @@
 namespace anthesis {
 namespace {
 
-/// Area of the band between two profile parameters by a composite Simpson rule: independent of the surface's own tables.
+/// Area of the band between two profile parameters by a composite Simpson rule: independent of the surface's own
+/// tables.
 double band_area_mm2(const SurfaceOfRevolution& surface, double from, double to) {
   constexpr int kSteps = 64;  // even
   const auto density = [&](double t) { return math::kTurnRad * surface.radius_mm(t) * surface.speed_mm(t); };

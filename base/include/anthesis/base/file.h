@@ -13,7 +13,8 @@ namespace anthesis {
 Expected<std::string> read_file(const std::string& path, std::size_t limit);
 
 /// Writes a file that appears whole or not at all: temporary file in the same folder, fsync, rename.
-/// A path that exists and is no regular file (a device, a pipe) is written to directly. Failure is kIo and leaves nothing.
+/// A path that exists and is no regular file (a device, a pipe) is written to directly. Failure is kIo and leaves
+/// nothing.
 std::optional<Error> write_file(const std::string& path, std::string_view bytes);
 
 }  // namespace anthesis

@@ -8,8 +8,12 @@ namespace anthesis::math {
 inline constexpr double kPi = std::numbers::pi;
 inline constexpr double kTurnRad = 2.0 * std::numbers::pi;
 
-constexpr double radians(double degrees) { return degrees * (kPi / 180.0); }
-constexpr double degrees(double radians) { return radians * (180.0 / kPi); }
+constexpr double radians(double degrees) {
+  return degrees * (kPi / 180.0);
+}
+constexpr double degrees(double radians) {
+  return radians * (180.0 / kPi);
+}
 
 struct SinCos {
   double sin;

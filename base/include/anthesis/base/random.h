@@ -27,10 +27,10 @@ class Rng {
  public:
   Rng(std::uint64_t seed, std::uint64_t organ, RandomPurpose purpose);
 
-  std::uint32_t bits();                  ///< 32 random bits
-  double uniform();                      ///< in [0, 1), 53 bits
+  std::uint32_t bits();                     ///< 32 random bits
+  double uniform();                         ///< in [0, 1), 53 bits
   double uniform(double low, double high);  ///< in [low, high)
-  double normal();                       ///< mean 0, standard deviation 1
+  double normal();                          ///< mean 0, standard deviation 1
 
  private:
   void refill();

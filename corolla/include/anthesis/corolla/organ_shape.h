@@ -23,10 +23,10 @@ struct SectionPoint {
 /// A petal at one key stage of its development: a row of control points across the petal at each control point of its
 /// midrib. Equal poses of one petal have equal numbers of points (O16 section 2).
 struct PetalPose {
-  double stage = 0.0;                   ///< in [0, 1], ascending over the poses
-  std::vector<Vec2> midrib_mm;          ///< (outward, up) control points, base to tip: at least degree + 1
-  std::vector<double> half_width_mm;    ///< one for each midrib point, >= 0
-  std::vector<double> side_mm;          ///< sideways shift of each row; empty: none, the petal is symmetric
+  double stage = 0.0;                 ///< in [0, 1], ascending over the poses
+  std::vector<Vec2> midrib_mm;        ///< (outward, up) control points, base to tip: at least degree + 1
+  std::vector<double> half_width_mm;  ///< one for each midrib point, >= 0
+  std::vector<double> side_mm;        ///< sideways shift of each row; empty: none, the petal is symmetric
   /// Half cross-sections: empty (flat), one for all rows, or one for each row, all of equal length >= 2.
   std::vector<std::vector<SectionPoint>> sections;
 };
@@ -35,14 +35,14 @@ struct PetalPose {
 struct Petals {
   std::string name;
   std::string pigment;
-  int count = 1;               ///< copies by rotation about the floret's axis, 1 to 64
-  bool mirrored = false;       ///< a second copy, reflected in the floret's plane of symmetry y = 0
-  double azimuth_deg = 0.0;    ///< of the first petal; 0 is outward
-  int fused = 0;               ///< boundary control points, from the base up, shared with the neighbouring petal
-  std::string fused_with;      ///< name of an earlier petal set whose margin it shares; empty: its own copies' margins
-  int degree_across = 3;       ///< of the B-spline surface in u, 1 to 5
-  int degree_along = 3;        ///< of the B-spline surface in v, 1 to 5
-  std::vector<Vec2> spacing = {{0.0, 0.2}, {1.0, 0.2}};  ///< lambda(v) of O16 eq. 1: distance between vertex rows
+  int count = 1;             ///< copies by rotation about the floret's axis, 1 to 64
+  bool mirrored = false;     ///< a second copy, reflected in the floret's plane of symmetry y = 0
+  double azimuth_deg = 0.0;  ///< of the first petal; 0 is outward
+  int fused = 0;             ///< boundary control points, from the base up, shared with the neighbouring petal
+  std::string fused_with;    ///< name of an earlier petal set whose margin it shares; empty: its own copies' margins
+  int degree_across = 3;     ///< of the B-spline surface in u, 1 to 5
+  int degree_along = 3;      ///< of the B-spline surface in v, 1 to 5
+  std::vector<Vec2> spacing = {{0.0, 0.2}, {1.0, 0.2}};   ///< lambda(v) of O16 eq. 1: distance between vertex rows
   std::vector<Vec2> vertices = {{0.0, 3.0}, {1.0, 3.0}};  ///< eta(v) of O16 section 2: vertices across
   std::vector<PetalPose> poses;
 };

@@ -22,11 +22,18 @@ struct TemplateGroup {
 };
 
 /// The shape of an organ at every stage of its development, polygonized once: vertices move, triangles stay
-/// (O16 section 2). Millimetres, the organ's base at the origin, its axis along +z, its outer (abaxial) side towards +x.
+/// (O16 section 2). Millimetres, the organ's base at the origin, its axis along +z, its outer (abaxial) side towards
+/// +x.
 class OrganTemplate {
  public:
+  /// At least as many vertices as one template of `shape` has at `detail`, found without building it; exact but for
+  /// columns that end in a point.
+  static std::size_t count_vertices(const OrganShape& shape, double detail);
+
   /// `detail` scales the polygonization: 1 as the species file states it, 2 about four times the triangles.
   /// `variant` 0 is the shape as stated; any other number is an individual within the ranges of `shape.variation`.
+  /// More than kMaxVertices vertices are kTooLarge, before anything is built.
+  static constexpr std::size_t kMaxVertices = 250'000;
   static Expected<OrganTemplate> build(const OrganShape& shape, double detail, std::uint64_t seed,
                                        std::uint32_t variant);
 

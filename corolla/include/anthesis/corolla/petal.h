@@ -6,8 +6,8 @@
 
 namespace anthesis {
 
-/// Control points of a petal's clamped B-spline surface, row after row from base to tip. The first point of a row is the
-/// petal's left margin (u = 0, towards +y), so that the surface's normal, du x dv, is on the upper (adaxial) side.
+/// Control points of a petal's clamped B-spline surface, row after row from base to tip. The first point of a row is
+/// the petal's left margin (u = 0, towards +y), so that the surface's normal, du x dv, is on the upper (adaxial) side.
 struct ControlMesh {
   int across = 0;  ///< points in a row (u)
   int along = 0;   ///< rows (v)

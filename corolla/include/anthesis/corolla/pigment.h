@@ -37,18 +37,18 @@ struct ColourStop {
 struct Pigment {
   std::string name;
   std::vector<ColourStop> colour = {{0.0, {0.5, 0.5, 0.5}}};  ///< base to tip, `at` ascending, at least one
-  std::optional<Colour> underside;  ///< mixed half and half into the lower side; none: both sides alike
-  std::optional<Colour> margin;     ///< colour towards the edges u = 0 and u = 1
-  double margin_width = 0.15;       ///< share of the half width that the margin's colour fades over, (0, 1]
-  int veins = 0;                    ///< veins across the whole width, 0 to 64
-  double vein_depth = 0.15;         ///< how much darker a vein is, 0 to 1
-  double mottle = 0.05;             ///< strength of fine random patches, 0 to 1
-  std::array<double, 2> hue_deg = {0.0, 0.0};   ///< range of the organ's own turn of hue
-  std::array<double, 2> value = {1.0, 1.0};     ///< range of the organ's own factor of brightness
-  double roughness = 0.6;      ///< 0 mirror to 1 matt
-  double specular = 0.3;       ///< strength of the clear reflection, 0 to 1
-  double sheen = 0.1;          ///< velvet at grazing angles, 0 to 1
-  double translucency = 0.0;   ///< share of the diffuse light that passes through, 0 to 1
+  std::optional<Colour> underside;             ///< mixed half and half into the lower side; none: both sides alike
+  std::optional<Colour> margin;                ///< colour towards the edges u = 0 and u = 1
+  double margin_width = 0.15;                  ///< share of the half width that the margin's colour fades over, (0, 1]
+  int veins = 0;                               ///< veins across the whole width, 0 to 64
+  double vein_depth = 0.15;                    ///< how much darker a vein is, 0 to 1
+  double mottle = 0.05;                        ///< strength of fine random patches, 0 to 1
+  std::array<double, 2> hue_deg = {0.0, 0.0};  ///< range of the organ's own turn of hue
+  std::array<double, 2> value = {1.0, 1.0};    ///< range of the organ's own factor of brightness
+  double roughness = 0.6;                      ///< 0 mirror to 1 matt
+  double specular = 0.3;                       ///< strength of the clear reflection, 0 to 1
+  double sheen = 0.1;                          ///< velvet at grazing angles, 0 to 1
+  double translucency = 0.0;                   ///< share of the diffuse light that passes through, 0 to 1
 };
 
 /// Whose colours: a number per organ, constant over its life, equal for equal seeds.

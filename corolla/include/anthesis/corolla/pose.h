@@ -10,9 +10,9 @@ namespace anthesis {
 /// A polyline by its own measures: where it starts and heads, how long its segments are, how each turns from the last.
 struct IntrinsicPolyline {
   Vec3 base_mm;
-  Quaternion heading;               ///< frame of the first segment, see geometry/frames.h
-  std::vector<double> lengths_mm;   ///< one for each segment
-  std::vector<Quaternion> turns;    ///< from each segment to the next, in the frame of the former
+  Quaternion heading;              ///< frame of the first segment, see geometry/frames.h
+  std::vector<double> lengths_mm;  ///< one for each segment
+  std::vector<Quaternion> turns;   ///< from each segment to the next, in the frame of the former
 };
 
 IntrinsicPolyline to_intrinsic(std::span<const Vec3> points_mm);
@@ -31,7 +31,8 @@ class PoseBlend {
   int across() const { return meshes_.front().across; }
   int along() const { return meshes_.front().along; }
 
-  /// The control mesh at `stage`; a pose exactly at its own stage, the nearest pose before the first and after the last.
+  /// The control mesh at `stage`; a pose exactly at its own stage, the nearest pose before the first and after the
+  /// last.
   ///
   /// Columns blended one by one need not meet again in the tip of a pointed petal. Where all poses are pointed, each
   /// column's small miss against the middle one is spread over its length, so that the margins do not cross at the tip.

@@ -18,9 +18,9 @@ struct BasisFunctions {
   std::array<double, kMaxDegree + 1> weight{};
 };
 
-/// Basis at t in [0, 1] over `control_points` points; interior knots equally spaced, end knots repeated so that the curve
-/// starts and ends at its first and last point. Weights are >= 0 and sum to 1. Cox and de Boor's recursion, O(degree^2).
-/// Precondition: 1 <= degree <= kMaxDegree, control_points > degree.
+/// Basis at t in [0, 1] over `control_points` points; interior knots equally spaced, end knots repeated so that the
+/// curve starts and ends at its first and last point. Weights are >= 0 and sum to 1. Cox and de Boor's recursion,
+/// O(degree^2). Precondition: 1 <= degree <= kMaxDegree, control_points > degree.
 BasisFunctions clamped_basis(int control_points, int degree, double t);
 
 /// Clamped B-spline curve through the plane or space, parametrised over [0, 1]. Control points may coincide.

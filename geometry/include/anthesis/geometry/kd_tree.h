@@ -26,17 +26,17 @@ class KdTree2 {
   };
 
   /// The point nearest to `from` for which `accept(index)` holds; the smaller index where two are equally near.
-  /// `meets(box)` may answer false for boxes that hold no acceptable point and are then skipped; it must not answer false
-  /// otherwise. O(log n) for a part of the plane that is not almost empty.
+  /// `meets(box)` may answer false for boxes that hold no acceptable point and are then skipped; it must not answer
+  /// false otherwise. O(log n) for a part of the plane that is not almost empty.
   std::optional<Found> nearest(Vec2 from, const std::function<bool(std::uint32_t)>& accept,
                                const std::function<bool(const Box2&)>& meets) const;
 
  private:
   struct Node {
     Box2 box;
-    std::uint32_t first = 0;   ///< into order_
+    std::uint32_t first = 0;  ///< into order_
     std::uint32_t count = 0;
-    std::uint32_t right = 0;   ///< index of the right child, 0 for a leaf; the left child follows its parent
+    std::uint32_t right = 0;  ///< index of the right child, 0 for a leaf; the left child follows its parent
   };
   void build(std::uint32_t first, std::uint32_t count);
   void search(std::uint32_t node, Vec2 from, const std::function<bool(std::uint32_t)>& accept,

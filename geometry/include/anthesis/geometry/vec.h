@@ -37,14 +37,24 @@ constexpr V& operator+=(V& a, V b) {
   return a = a + b;
 }
 
-constexpr double dot(Vec2 a, Vec2 b) { return a.x * b.x + a.y * b.y; }
-constexpr double dot(Vec3 a, Vec3 b) { return a.x * b.x + a.y * b.y + a.z * b.z; }
-constexpr double cross(Vec2 a, Vec2 b) { return a.x * b.y - a.y * b.x; }
+constexpr double dot(Vec2 a, Vec2 b) {
+  return a.x * b.x + a.y * b.y;
+}
+constexpr double dot(Vec3 a, Vec3 b) {
+  return a.x * b.x + a.y * b.y + a.z * b.z;
+}
+constexpr double cross(Vec2 a, Vec2 b) {
+  return a.x * b.y - a.y * b.x;
+}
 constexpr Vec3 cross(Vec3 a, Vec3 b) {
   return {a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x};
 }
-inline double length(Vec2 a) { return std::sqrt(dot(a, a)); }
-inline double length(Vec3 a) { return std::sqrt(dot(a, a)); }
+inline double length(Vec2 a) {
+  return std::sqrt(dot(a, a));
+}
+inline double length(Vec3 a) {
+  return std::sqrt(dot(a, a));
+}
 
 /// Unit vector along `a`; the zero vector stays zero.
 template <class V>
@@ -76,7 +86,9 @@ struct Quaternion {
   friend constexpr bool operator==(Quaternion, Quaternion) = default;
 };
 
-constexpr Quaternion conjugate(Quaternion q) { return {q.w, -q.x, -q.y, -q.z}; }
+constexpr Quaternion conjugate(Quaternion q) {
+  return {q.w, -q.x, -q.y, -q.z};
+}
 Quaternion normalized(Quaternion q);
 Vec3 rotate(Quaternion q, Vec3 v);
 

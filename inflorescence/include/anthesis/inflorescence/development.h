@@ -21,13 +21,13 @@ struct OrganId {
 /// What an organ is, whatever the time.
 struct Organ {
   OrganId id;
-  OrganId parent;                  ///< 0: it stands on the head itself
-  std::uint32_t kind = 0;          ///< index into Species::organs
+  OrganId parent;                    ///< 0: it stands on the head itself
+  std::uint32_t kind = 0;            ///< index into Species::organs
   std::uint32_t template_index = 0;  ///< index into Development::templates()
-  double birth = 0.0;              ///< developmental time
-  double divergence_rad = 0.0;     ///< angle from the organ born before it, as it was used
-  double azimuth_rad = 0.0;        ///< about the head's axis, in [0, 2 pi)
-  double mature_area_mm2 = 0.0;    ///< of the receptacle
+  double birth = 0.0;                ///< developmental time
+  double divergence_rad = 0.0;       ///< angle from the organ born before it, as it was used
+  double azimuth_rad = 0.0;          ///< about the head's axis, in [0, 2 pi)
+  double mature_area_mm2 = 0.0;      ///< of the receptacle
 };
 
 /// An organ at a time.
@@ -43,7 +43,7 @@ struct OrganState {
 
 /// Surfaces of the plant that are not instances: their triangles and uvs are equal at all times.
 struct Body {
-  std::string name;     ///< "receptacle", "peduncle"
+  std::string name;  ///< "receptacle", "peduncle"
   std::string pigment;
   Mesh mesh;
 };
@@ -72,7 +72,7 @@ class Development {
 
   const Species& species() const;
   const GrowthOptions& options() const;
-  std::span<const Organ> organs() const;              ///< by id: organs()[id.value - 1]
+  std::span<const Organ> organs() const;  ///< by id: organs()[id.value - 1]
   std::span<const OrganTemplate> templates() const;
 
   /// Any time gives the same plant whatever other times are asked for. O(organs), safe to call from many threads.

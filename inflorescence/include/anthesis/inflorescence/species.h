@@ -23,74 +23,74 @@ struct ReceptacleProfile {
 
 /// What grows on a stretch of the receptacle between two positions s (0 apex, 1 base).
 struct Zone {
-  std::string organ;    ///< kind of the organs that arise in the zone
-  double from = 0.0;    ///< position nearest the apex
-  double to = 1.0;      ///< position nearest the base
+  std::string organ;  ///< kind of the organs that arise in the zone
+  double from = 0.0;  ///< position nearest the apex
+  double to = 1.0;    ///< position nearest the base
 };
 
 /// Florets with room become another kind: the cone rule of O16 section 5.
 struct FateRule {
-  std::string of;              ///< kind that the rule is asked for
-  std::string with_room;       ///< kind it becomes when its cone is empty of others of its kind
-  double cone_deg = 75.0;      ///< half opening angle, (0, 180)
+  std::string of;          ///< kind that the rule is asked for
+  std::string with_room;   ///< kind it becomes when its cone is empty of others of its kind
+  double cone_deg = 75.0;  ///< half opening angle, (0, 180)
 };
 
 /// A flower head: organs in a spiral on a surface of revolution, produced from the rim inwards.
 struct Head {
-  std::vector<ReceptacleProfile> receptacle;    ///< at least one, times ascending, equal numbers of points
+  std::vector<ReceptacleProfile> receptacle;  ///< at least one, times ascending, equal numbers of points
   std::string receptacle_pigment;
-  double divergence_deg = 137.50776405003785;   ///< from one organ to the next, counter-clockwise seen from above
-  double interval = 0.001;                      ///< developmental time between two organs
-  double meristem_area_mm2 = 10.0;              ///< naked at time 0
+  double divergence_deg = 137.50776405003785;  ///< from one organ to the next, counter-clockwise seen from above
+  double interval = 0.001;                     ///< developmental time between two organs
+  double meristem_area_mm2 = 10.0;             ///< naked at time 0
   FunctionPoints meristem_growth = {{0.0, 1.0}, {1.0, 1.0}};  ///< factor of the naked region's area against time
-  FunctionPoints area_mm2 = {{0.0, 1.0}, {1.0, 1.0}};    ///< mature area of an organ against its position s at birth
-  FunctionPoints area_growth = {{0.0, 1.0}, {1.0, 1.0}}; ///< share of the mature area against age
-  std::vector<Zone> zones;                      ///< cover [0, 1] without gap or overlap
+  FunctionPoints area_mm2 = {{0.0, 1.0}, {1.0, 1.0}};     ///< mature area of an organ against its position s at birth
+  FunctionPoints area_growth = {{0.0, 1.0}, {1.0, 1.0}};  ///< share of the mature area against age
+  std::vector<Zone> zones;                                ///< cover [0, 1] without gap or overlap
   std::optional<FateRule> fate;
 };
 
 /// How organs of a kind stand and differ. Each range is drawn from once for each organ.
 struct OrganVariation {
-  Range size = {1.0, 1.0};        ///< factor
-  Range pitch_deg = {0.0, 0.0};   ///< added tilt outward
-  Range yaw_deg = {0.0, 0.0};     ///< turn about the head's radius at the organ
-  Range roll_deg = {0.0, 0.0};    ///< turn about the organ's own axis
-  Range stage = {0.0, 0.0};       ///< added to the stage, kept in [0, 1]
+  Range size = {1.0, 1.0};       ///< factor
+  Range pitch_deg = {0.0, 0.0};  ///< added tilt outward
+  Range yaw_deg = {0.0, 0.0};    ///< turn about the head's radius at the organ
+  Range roll_deg = {0.0, 0.0};   ///< turn about the organ's own axis
+  Range stage = {0.0, 0.0};      ///< added to the stage, kept in [0, 1]
 };
 
 /// A kind of organ: its form, how it grows and opens, how it stands on the receptacle.
 struct OrganKind {
   std::string name;
   OrganShape shape;
-  int variants = 1;                               ///< shapes to choose from at random, 1 to 64
-  FunctionPoints growth = {{0.0, 1.0}, {1.0, 1.0}};  ///< size factor against age (time since birth)
-  FunctionPoints opening = {{0.0, 0.0}, {1.0, 1.0}}; ///< stage in [0, 1] against age
-  FunctionPoints size = {{0.0, 1.0}, {1.0, 1.0}};    ///< size factor against position s on the mature receptacle
+  int variants = 1;                                     ///< shapes to choose from at random, 1 to 64
+  FunctionPoints growth = {{0.0, 1.0}, {1.0, 1.0}};     ///< size factor against age (time since birth)
+  FunctionPoints opening = {{0.0, 0.0}, {1.0, 1.0}};    ///< stage in [0, 1] against age
+  FunctionPoints size = {{0.0, 1.0}, {1.0, 1.0}};       ///< size factor against position s on the mature receptacle
   FunctionPoints pitch_deg = {{0.0, 0.0}, {1.0, 0.0}};  ///< tilt from the receptacle's normal outward, against age
-  double layering_deg = 0.0;   ///< extra pitch of the first organ of the kind over the last: neighbours lie in layers
-  double sink_mm = 0.0;        ///< how deep the base is set into the receptacle
+  double layering_deg = 0.0;  ///< extra pitch of the first organ of the kind over the last: neighbours lie in layers
+  double sink_mm = 0.0;       ///< how deep the base is set into the receptacle
   OrganVariation variation;
 };
 
 /// The stem under the head.
 struct Peduncle {
   std::string pigment;
-  double length_mm = 0.0;    ///< 0: none
-  double radius_mm = 1.0;    ///< at the foot of the mature stem; at the head it meets the receptacle
-  double bend_deg = 0.0;     ///< of the whole stem, towards -x
+  double length_mm = 0.0;  ///< 0: none
+  double radius_mm = 1.0;  ///< at the foot of the mature stem; at the head it meets the receptacle
+  double bend_deg = 0.0;   ///< of the whole stem, towards -x
   FunctionPoints growth = {{0.0, 1.0}, {1.0, 1.0}};  ///< factor of the length against time
 };
 
 /// A plant, as its file states it; plain data, read once and checked once.
 struct Species {
-  std::string name;      ///< "sunflower"
-  std::string latin;     ///< "Helianthus annuus"
-  std::string summary;   ///< a sentence for lists
+  std::string name;     ///< "sunflower"
+  std::string latin;    ///< "Helianthus annuus"
+  std::string summary;  ///< a sentence for lists
   Head head;
   Peduncle peduncle;
-  std::vector<OrganKind> organs;   ///< in the order of the file
-  std::vector<Pigment> pigments;   ///< in the order of the file
-  std::string sha256;              ///< of the file's bytes; empty for species made in code
+  std::vector<OrganKind> organs;  ///< in the order of the file
+  std::vector<Pigment> pigments;  ///< in the order of the file
+  std::string sha256;             ///< of the file's bytes; empty for species made in code
 };
 
 /// What is wrong with `species`, if anything: every name it uses exists, every number is within its range.

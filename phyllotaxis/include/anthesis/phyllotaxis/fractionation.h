@@ -21,11 +21,11 @@ struct KeyProfile {
 struct FractionationParams {
   std::vector<KeyProfile> profiles;  ///< at least one; times ascending; equal numbers of controls
   double divergence_rad = kGoldenAngleRad;
-  double interval = 0.001;           ///< time between two primordia, > 0
-  double meristem_area_mm2 = 1.0;    ///< naked at time 0, > 0
+  double interval = 0.001;                                  ///< time between two primordia, > 0
+  double meristem_area_mm2 = 1.0;                           ///< naked at time 0, > 0
   FunctionGraph meristem_growth{{{0.0, 1.0}, {1.0, 1.0}}};  ///< factor of the naked area against time, > 0
-  FunctionGraph area_mm2{{{0.0, 1.0}, {1.0, 1.0}}};     ///< mature area against the position s at birth, > 0
-  FunctionGraph area_growth{{{0.0, 1.0}, {1.0, 1.0}}};  ///< share of the mature area against age, > 0
+  FunctionGraph area_mm2{{{0.0, 1.0}, {1.0, 1.0}}};         ///< mature area against the position s at birth, > 0
+  FunctionGraph area_growth{{{0.0, 1.0}, {1.0, 1.0}}};      ///< share of the mature area against age, > 0
 };
 
 std::optional<Error> check(const FractionationParams& params);
@@ -33,7 +33,7 @@ std::optional<Error> check(const FractionationParams& params);
 /// A primordium, in order of birth from the rim inwards. Primordium i is born at i * interval.
 struct Primordium {
   double birth = 0.0;
-  double azimuth_rad = 0.0;      ///< i * divergence, in [0, 2 pi)
+  double azimuth_rad = 0.0;  ///< i * divergence, in [0, 2 pi)
   double mature_area_mm2 = 0.0;
   double s_at_birth = 0.0;
 };
@@ -44,8 +44,8 @@ struct PrimordiumPlace {
   double area_mm2 = 0.0;  ///< of its band
 };
 
-/// A pattern as a function of time: every event has its exact time, nothing is stepped, so any frame rate shows the same
-/// primordia at the same places.
+/// A pattern as a function of time: every event has its exact time, nothing is stepped, so any frame rate shows the
+/// same primordia at the same places.
 class Fractionation {
  public:
   /// Produces primordia until the naked region is smaller than one of them, or until time 1.
@@ -74,7 +74,8 @@ class Fractionation {
 
   FractionationParams params_;
   std::vector<Primordium> primordia_;
-  std::vector<double> taken_;  ///< taken_[i]: naked area lost to the first i primordia, each over the growth factor then
+  std::vector<double>
+      taken_;  ///< taken_[i]: naked area lost to the first i primordia, each over the growth factor then
 };
 
 }  // namespace anthesis

@@ -16,10 +16,10 @@ enum class SpiralDirection {
 
 /// Ridley's phyllotaxis on any surface of revolution, areas as a sequence (O16 eq. 2).
 ///
-/// The surface is cut into consecutive bands, band i of area `areas_mm2[i]` (each > 0), beginning at the apex or the base.
-/// Organ i sits where its band's area is halved: profile parameter `t[i]`; with equal areas, exactly one such area lies
-/// between neighbours. Its azimuth is i times the divergence angle, which is the caller's: positions along the profile do
-/// not depend on it.
+/// The surface is cut into consecutive bands, band i of area `areas_mm2[i]` (each > 0), beginning at the apex or the
+/// base. Organ i sits where its band's area is halved: profile parameter `t[i]`; with equal areas, exactly one such
+/// area lies between neighbours. Its azimuth is i times the divergence angle, which is the caller's: positions along
+/// the profile do not depend on it.
 ///
 /// Returns how many bands fit; `t` (as long as the areas) is written up to there. Areas are met within 1e-11 of the
 /// surface's whole area. O(n), about 0.2 microseconds an organ.

@@ -35,8 +35,9 @@ Colour tone(Colour exposed);
 /// Tone, backdrop, and a fixed dither of half a step against bands.
 Image develop(const Picture& picture);
 
-/// Images of one size and kind in rows of `columns`, left to right and down; what is left over stays as the last image's
-/// top left corner is, so that the sheet has one background. Precondition: at least one image, all alike, columns > 0.
+/// Images of one size and kind in rows of `columns`, left to right and down; what is left over stays as the last
+/// image's top left corner is, so that the sheet has one background. Precondition: at least one image, all alike,
+/// columns > 0.
 Image contact_sheet(std::span<const Image> images, int columns);
 
 /// The bytes of a PNG file with the texts in order; no time stamp: equal pictures, equal bytes. See base/png.h for the
