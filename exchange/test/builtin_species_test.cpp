@@ -1,5 +1,9 @@
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <initializer_list>
+#include <string_view>
+
 #include "anthesis/exchange/species_file.h"
 #include "anthesis/inflorescence/development.h"
 
@@ -94,6 +98,34 @@ TEST_P(BuiltinSpeciesTest, IsABudBeforeItIsABloom) {
   };
   EXPECT_LT(reach(0.35, "ray_floret"), reach(0.35, "bract"));
   EXPECT_GT(reach(1.0, "ray_floret"), 1.1 * reach(1.0, "bract"));
+}
+
+TEST_P(BuiltinSpeciesTest, StamensThenPistilsRiseAboveThePetals) {
+  const Species species = *find_species(GetParam());
+  const auto kind = std::ranges::find(species.organs, "disk_floret", &OrganKind::name);
+  const OrganTemplate floret = *OrganTemplate::build(kind->shape, 1.0, 1, 0);
+  const auto top_mm = [&](double stage, std::initializer_list<std::string_view> parts) {
+    std::vector<Vec3> positions(floret.vertex_count());
+    std::vector<Vec3> normals(floret.vertex_count());
+    floret.pose(stage, positions, normals);
+    double top = 0.0;
+    for (const TemplateGroup& group : floret.groups()) {
+      if (std::ranges::find(parts, group.name) != parts.end()) {
+        for (std::uint32_t i = group.first_vertex; i < group.first_vertex + group.vertex_count; ++i) {
+          top = std::max(top, positions[i].z);
+        }
+      }
+    }
+    return top;
+  };
+  const auto corolla = [&](double stage) { return top_mm(stage, {"corolla"}); };
+  const auto stamens = [&](double stage) { return top_mm(stage, {"stamens"}); };
+  const auto pistil = [&](double stage) { return top_mm(stage, {"style", "stigma"}); };
+  EXPECT_LT(std::max(stamens(0.0), pistil(0.0)), corolla(0.0));  // all within the bud
+  EXPECT_GT(stamens(0.6), corolla(0.6));
+  EXPECT_LT(pistil(0.6), stamens(0.6));
+  EXPECT_GT(pistil(1.0), stamens(1.0));
+  EXPECT_GT(pistil(1.0), corolla(1.0));
 }
 
 INSTANTIATE_TEST_SUITE_P(Species, BuiltinSpeciesTest, testing::Values("sunflower", "daisy"),

@@ -10,9 +10,9 @@ namespace anthesis {
 SurfaceOfRevolution::SurfaceOfRevolution(std::vector<Vec2> controls_mm, int degree) {
   profile_.degree = degree;
   profile_.controls = std::move(controls_mm);
-  const std::vector<double> knots = profile_.knots();
-  length_ = CumulativeIntegral([this](double t) { return speed_mm(t); }, knots);
-  area_ = CumulativeIntegral([this](double t) { return math::kTurnRad * radius_mm(t) * speed_mm(t); }, knots);
+  length_ = ArcLength(profile_);
+  area_ =
+      CumulativeIntegral([this](double t) { return math::kTurnRad * radius_mm(t) * speed_mm(t); }, profile_.knots());
 }
 
 double SurfaceOfRevolution::speed_mm(double t) const {

@@ -4,6 +4,7 @@
 #include <string_view>
 
 #include "anthesis/base/error.h"
+#include "anthesis/geometry/arc_length.h"
 #include "anthesis/geometry/bspline.h"
 #include "anthesis/geometry/cumulative_integral.h"
 
@@ -25,11 +26,11 @@ class SurfaceOfRevolution {
   SurfaceOfRevolution(std::vector<Vec2> controls_mm, int degree);
 
   const BSplineCurve<Vec2>& profile_mm() const { return profile_; }
-  double length_mm() const { return length_.total(); }
+  double length_mm() const { return length_.total_mm(); }
   double area_mm2() const { return area_.total(); }
 
-  double t_from_s(double s) const { return length_.inverse(s * length_.total()); }
-  double s_from_t(double t) const { return length_.at(t) / length_.total(); }
+  double t_from_s(double s) const { return length_.t_from_s(s); }
+  double s_from_t(double t) const { return length_.s_from_t(t); }
 
   /// Area between the apex and t, relative error below 1e-12 of the total, and its inverse.
   double area_from_apex_mm2(double t) const { return area_.at(t); }
@@ -43,7 +44,7 @@ class SurfaceOfRevolution {
 
  private:
   BSplineCurve<Vec2> profile_;
-  CumulativeIntegral length_;
+  ArcLength length_;
   CumulativeIntegral area_;
 };
 
