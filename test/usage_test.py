@@ -87,6 +87,7 @@ class Mistakes(ProgramTest):
             ("grow", "--threads"): "[0, 1024]",
             ("grow", "--frames"): "[1, 1000]",
             ("render", "--frames"): "[1, 1000]",
+            ("render", "--columns"): "[1, 100]",
             ("render", "--samples"): "[1, 4096]",
             ("render", "--size"): "[16, 8192]",
             ("pattern", "--vogel"): "[1, 1000000]",

@@ -4,9 +4,15 @@
 #include <oneapi/tbb/parallel_for.h>
 
 #include <atomic>
+#include <chrono>
 #include <mutex>
 
 namespace anthesis {
+namespace {
+
+constexpr std::chrono::milliseconds kLongestSilence(100);  // so that Ctrl-C is heard
+
+}  // namespace
 
 bool parallel_for(std::size_t count, const std::function<void(std::size_t)>& body, const Progress& progress,
                   const char* stage) {
@@ -17,14 +23,18 @@ bool parallel_for(std::size_t count, const std::function<void(std::size_t)>& bod
   std::atomic<std::size_t> done = 0;
   std::atomic<bool> stopped = false;
   std::mutex reporting;
-  const std::size_t step = count / 200 + 1;  // half a percent between reports
+  const std::size_t step = count / 200 + 1;  // half a percent between reports, or a tenth of a second if that is sooner
+  using Clock = std::chrono::steady_clock;
+  std::atomic<Clock::rep> next_report = (Clock::now() + kLongestSilence).time_since_epoch().count();
   tbb::parallel_for(std::size_t{0}, count, [&](std::size_t i) {
     if (stopped) {
       return;
     }
     body(i);
-    if (++done % step == 0) {
+    const Clock::rep now = Clock::now().time_since_epoch().count();
+    if (++done % step == 0 || now >= next_report) {
       const std::lock_guard lock(reporting);
+      next_report = now + Clock::duration(kLongestSilence).count();
       if (!progress(stage, static_cast<double>(done.load()) / static_cast<double>(count))) {
         stopped = true;
       }

@@ -11,7 +11,8 @@ namespace anthesis {
 
 std::vector<double> nearest_in_cone_mm(std::span<const Vec2> florets_mm, Vec2 centre_mm, double cone_rad) {
   const KdTree2 tree(florets_mm);
-  const auto [sine, cosine] = math::sin_cos(cone_rad);
+  const double sine = math::sin(cone_rad);
+  const double cosine = math::cos(cone_rad);
   std::vector<double> distance(florets_mm.size(), std::numeric_limits<double>::infinity());
   parallel_for(florets_mm.size(), [&](std::size_t i) {
     const Vec2 apex = florets_mm[i];

@@ -10,7 +10,8 @@ namespace anthesis {
 /// Calls `body(i)` once for each i in [0, count), on all permitted threads.
 ///
 /// Results do not depend on the number of threads as long as body(i) writes only to places that belong to i.
-/// Returns false if `progress` (reported under `stage`) asked to stop; some calls are then missing.
+/// Returns false if `progress` (reported under `stage` at least every tenth of a second, as far as body(i) is shorter
+/// than that) asked to stop; some calls are then missing.
 bool parallel_for(std::size_t count, const std::function<void(std::size_t)>& body, const Progress& progress = {},
                   const char* stage = "");
 
