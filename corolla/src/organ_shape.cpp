@@ -4,6 +4,7 @@
 #include <cmath>
 #include <span>
 
+#include "anthesis/base/check.h"
 #include "anthesis/geometry/function_graph.h"
 
 namespace anthesis {
@@ -13,44 +14,6 @@ constexpr double kLongestMm = 1e5;  // 100 m: beyond any organ, and squares stay
 
 std::string at(std::string_view where, std::string_view list, std::size_t index) {
   return std::string(where) + "." + std::string(list) + "[" + std::to_string(index) + "]";
-}
-
-std::optional<Error> check_whole(std::string where, int value, int low, int high) {
-  if (value < low || value > high) {
-    return invalid_parameter(where, "must be in [" + std::to_string(low) + ", " + std::to_string(high) + "]", value);
-  }
-  return std::nullopt;
-}
-
-std::optional<Error> check_number(std::string where, double value, double low, double high) {
-  if (!(value >= low && value <= high)) {
-    return invalid_parameter(where, "must be in [" + to_text(low) + ", " + to_text(high) + "]", value);
-  }
-  return std::nullopt;
-}
-
-std::optional<Error> check_range(std::string where, const Range& range, double low, double high) {
-  for (const double end : range) {
-    if (auto error = check_number(where, end, low, high)) {
-      return error;
-    }
-  }
-  if (range[0] > range[1]) {
-    return invalid_parameter(where, "must run from low to high", to_text(range[0]) + " to " + to_text(range[1]));
-  }
-  return std::nullopt;
-}
-
-std::optional<Error> check_positive_function(std::string where, std::span<const Vec2> points, double low, double high) {
-  if (auto error = check_function(points, where)) {
-    return error;
-  }
-  for (const Vec2 point : points) {
-    if (auto error = check_number(where, point.y, low, high)) {
-      return error;
-    }
-  }
-  return std::nullopt;
 }
 
 /// `before`: the stage of the pose before, less than 0 for the first.
@@ -137,9 +100,9 @@ std::optional<Error> check_petals(const OrganShape& shape, std::size_t index, co
     return error;
   if (auto error = check_whole(where + ".degree_along", petals.degree_along, 1, 5))
     return error;
-  if (auto error = check_positive_function(where + ".spacing", petals.spacing, 0.002, 1.0))
+  if (auto error = check_function_values(where + ".spacing", petals.spacing, 0.002, 1.0))
     return error;
-  if (auto error = check_positive_function(where + ".vertices", petals.vertices, 1.0, 200.0))
+  if (auto error = check_function_values(where + ".vertices", petals.vertices, 1.0, 200.0))
     return error;
   if (petals.poses.empty()) {
     return invalid_parameter(where + ".poses", "must have at least 1 pose", 0.0);

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "anthesis/base/check.h"
+
 namespace anthesis {
 
 FunctionGraph::FunctionGraph(std::vector<Vec2> points) {
@@ -43,7 +45,7 @@ double FunctionGraph::operator()(double x) const {
   return curve_.at(u).y;
 }
 
-std::optional<Error> check_function(std::span<const Vec2> points, std::string_view where) {
+std::optional<Error> check_function(std::string_view where, std::span<const Vec2> points) {
   if (points.size() < 2) {
     return invalid_parameter(where, "must have at least 2 points", static_cast<double>(points.size()));
   }
@@ -58,6 +60,19 @@ std::optional<Error> check_function(std::span<const Vec2> points, std::string_vi
   }
   if (!(points.back().x > points.front().x)) {
     return invalid_parameter(where, "must span more than one x", points.back().x);
+  }
+  return std::nullopt;
+}
+
+std::optional<Error> check_function_values(std::string_view where, std::span<const Vec2> points, double low,
+                                           double high) {
+  if (auto error = check_function(where, points)) {
+    return error;
+  }
+  for (const Vec2 point : points) {
+    if (auto error = check_number(where, point.y, low, high)) {
+      return error;
+    }
   }
   return std::nullopt;
 }

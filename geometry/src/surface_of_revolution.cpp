@@ -37,7 +37,7 @@ SurfaceFrame SurfaceOfRevolution::frame(double t, double azimuth_rad) const {
   return frame;
 }
 
-std::optional<Error> check_profile(std::span<const Vec2> controls_mm, std::string_view where) {
+std::optional<Error> check_profile(std::string_view where, std::span<const Vec2> controls_mm) {
   if (controls_mm.size() < 2) {
     return invalid_parameter(where, "must have at least 2 points", static_cast<double>(controls_mm.size()));
   }

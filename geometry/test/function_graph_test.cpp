@@ -26,11 +26,11 @@ TEST(FunctionGraph, LiesOnItsCurve) {
 
 TEST(CheckFunction, RefusesWhatIsNoFunction) {
   const double nan = std::numeric_limits<double>::quiet_NaN();
-  EXPECT_FALSE(check_function(std::vector<Vec2>{{0, 0}, {1, 1}}, "f"));
-  EXPECT_TRUE(check_function(std::vector<Vec2>{{0, 0}}, "f"));
-  EXPECT_TRUE(check_function(std::vector<Vec2>{{0, 0}, {0, 1}}, "f"));
-  EXPECT_TRUE(check_function(std::vector<Vec2>{{0, 0}, {2, 1}, {1, 1}}, "f"));
-  EXPECT_TRUE(check_function(std::vector<Vec2>{{0, nan}, {1, 1}}, "f"));
+  EXPECT_FALSE(check_function("f", std::vector<Vec2>{{0, 0}, {1, 1}}));
+  EXPECT_TRUE(check_function("f", std::vector<Vec2>{{0, 0}}));
+  EXPECT_TRUE(check_function("f", std::vector<Vec2>{{0, 0}, {0, 1}}));
+  EXPECT_TRUE(check_function("f", std::vector<Vec2>{{0, 0}, {2, 1}, {1, 1}}));
+  EXPECT_TRUE(check_function("f", std::vector<Vec2>{{0, nan}, {1, 1}}));
 }
 
 }  // namespace

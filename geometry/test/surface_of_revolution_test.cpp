@@ -59,11 +59,11 @@ TEST(SurfaceOfRevolution, CoincidentControlPointsStillHaveANormal) {
 }
 
 TEST(CheckProfile, NamesTheRuleThatIsBroken) {
-  EXPECT_FALSE(check_profile(std::vector<Vec2>{{0, 1}, {1, 0}}, "p"));
-  EXPECT_NE(check_profile(std::vector<Vec2>{{0, 1}, {-1, 0}}, "p")->message.find("radii >= 0"), std::string::npos);
-  EXPECT_TRUE(check_profile(std::vector<Vec2>{{0, 1}, {0, 0}}, "p"));
-  EXPECT_TRUE(check_profile(std::vector<Vec2>{{1, 1}, {1, 1}}, "p"));
-  EXPECT_TRUE(check_profile(std::vector<Vec2>{{1, 1}, {1, std::numeric_limits<double>::infinity()}}, "p"));
+  EXPECT_FALSE(check_profile("p", std::vector<Vec2>{{0, 1}, {1, 0}}));
+  EXPECT_NE(check_profile("p", std::vector<Vec2>{{0, 1}, {-1, 0}})->message.find("radii >= 0"), std::string::npos);
+  EXPECT_TRUE(check_profile("p", std::vector<Vec2>{{0, 1}, {0, 0}}));
+  EXPECT_TRUE(check_profile("p", std::vector<Vec2>{{1, 1}, {1, 1}}));
+  EXPECT_TRUE(check_profile("p", std::vector<Vec2>{{1, 1}, {1, std::numeric_limits<double>::infinity()}}));
 }
 
 }  // namespace

@@ -4,42 +4,12 @@
 #include <cmath>
 #include <set>
 
+#include "anthesis/base/check.h"
 #include "anthesis/geometry/function_graph.h"
 #include "anthesis/geometry/surface_of_revolution.h"
 
 namespace anthesis {
 namespace {
-
-std::optional<Error> check_number(const std::string& where, double value, double low, double high) {
-  if (!(value >= low && value <= high)) {
-    return invalid_parameter(where, "must be in [" + to_text(low) + ", " + to_text(high) + "]", value);
-  }
-  return std::nullopt;
-}
-
-std::optional<Error> check_values(const std::string& where, const FunctionPoints& points, double low, double high) {
-  if (auto error = check_function(points, where)) {
-    return error;
-  }
-  for (const Vec2 point : points) {
-    if (auto error = check_number(where, point.y, low, high)) {
-      return error;
-    }
-  }
-  return std::nullopt;
-}
-
-std::optional<Error> check_range(const std::string& where, const Range& range, double low, double high) {
-  for (const double end : range) {
-    if (auto error = check_number(where, end, low, high)) {
-      return error;
-    }
-  }
-  if (range[0] > range[1]) {
-    return invalid_parameter(where, "must run from low to high", to_text(range[0]) + " to " + to_text(range[1]));
-  }
-  return std::nullopt;
-}
 
 /// kUnknownParameter for a name that is used but nowhere defined.
 std::optional<Error> check_name(const std::string& where, const std::string& name,
@@ -72,7 +42,7 @@ std::optional<Error> check_head(const Head& head, const std::vector<std::string>
   for (std::size_t i = 0; i < head.receptacle.size(); ++i) {
     const ReceptacleProfile& profile = head.receptacle[i];
     const std::string where = "head.receptacle[" + std::to_string(i) + "]";
-    if (auto error = check_profile(profile.points, where + ".points"))
+    if (auto error = check_profile(where + ".points", profile.points))
       return error;
     for (const Vec2 point : profile.points) {
       for (const double value : {point.x, point.y}) {
@@ -96,11 +66,11 @@ std::optional<Error> check_head(const Head& head, const std::vector<std::string>
     return error;
   if (auto error = check_number("head.meristem_area_mm2", head.meristem_area_mm2, 1e-6, 1e9))
     return error;
-  if (auto error = check_values("head.meristem_growth", head.meristem_growth, 1e-6, 1e6))
+  if (auto error = check_function_values("head.meristem_growth", head.meristem_growth, 1e-6, 1e6))
     return error;
-  if (auto error = check_values("head.area_mm2", head.area_mm2, 1e-6, 1e9))
+  if (auto error = check_function_values("head.area_mm2", head.area_mm2, 1e-6, 1e9))
     return error;
-  if (auto error = check_values("head.area_growth", head.area_growth, 1e-6, 1e3))
+  if (auto error = check_function_values("head.area_growth", head.area_growth, 1e-6, 1e3))
     return error;
   if (!head.receptacle_pigment.empty()) {
     if (auto error = check_name("head.receptacle_pigment", head.receptacle_pigment, pigments, "a pigment"))
@@ -150,13 +120,13 @@ std::optional<Error> check_organ(const OrganKind& organ, const std::vector<std::
   }
   if (auto error = check_number(where + ".variants", organ.variants, 1, 64))
     return error;
-  if (auto error = check_values(where + ".growth", organ.growth, 0.0, 1e3))
+  if (auto error = check_function_values(where + ".growth", organ.growth, 0.0, 1e3))
     return error;
-  if (auto error = check_values(where + ".opening", organ.opening, 0.0, 1.0))
+  if (auto error = check_function_values(where + ".opening", organ.opening, 0.0, 1.0))
     return error;
-  if (auto error = check_values(where + ".size", organ.size, 0.0, 1e3))
+  if (auto error = check_function_values(where + ".size", organ.size, 0.0, 1e3))
     return error;
-  if (auto error = check_values(where + ".pitch_deg", organ.pitch_deg, -180.0, 180.0))
+  if (auto error = check_function_values(where + ".pitch_deg", organ.pitch_deg, -180.0, 180.0))
     return error;
   if (auto error = check_number(where + ".layering_deg", organ.layering_deg, -180.0, 180.0))
     return error;
@@ -235,7 +205,7 @@ std::optional<Error> check(const Species& species) {
     return error;
   if (auto error = check_number("peduncle.bend_deg", peduncle.bend_deg, -180.0, 180.0))
     return error;
-  if (auto error = check_values("peduncle.growth", peduncle.growth, 1e-3, 1e3))
+  if (auto error = check_function_values("peduncle.growth", peduncle.growth, 1e-3, 1e3))
     return error;
   if (peduncle.length_mm > 0.0) {
     return check_name("peduncle.pigment", peduncle.pigment, pigments, "a pigment");

@@ -28,7 +28,7 @@ std::optional<Error> check(const FractionationParams& params) {
   for (std::size_t i = 0; i < params.profiles.size(); ++i) {
     const KeyProfile& profile = params.profiles[i];
     const std::string where = "receptacle[" + std::to_string(i) + "]";
-    if (auto error = check_profile(profile.controls, where + ".points")) {
+    if (auto error = check_profile(where + ".points", profile.controls)) {
       return error;
     }
     if (!std::isfinite(profile.time) || (i > 0 && profile.time <= params.profiles[i - 1].time)) {

@@ -583,8 +583,8 @@ Expected<Picture> trace(const Scene& scene, const Camera& camera, const RenderOp
       return unexpected(cancelled);
     }
   }
-  const float weight0 =
-      options.samples == 1 ? 0.0F : static_cast<float>(options.samples / 2) / static_cast<float>(options.samples);
+  const int first_half = options.samples / 2;  // the film keeps two halves; with one sample it is all in the second
+  const float weight0 = static_cast<float>(first_half) / static_cast<float>(options.samples);
   for (std::size_t i = 0; i < film.coverage.size(); ++i) {
     const Vec3f light = weight0 * film.light[0][i] + (1.0F - weight0) * film.light[1][i];
     const float shadow = std::clamp(weight0 * film.shadow[0][i] + (1.0F - weight0) * film.shadow[1][i], 0.0F, 1.0F);

@@ -16,8 +16,8 @@ struct Colour {
   double g = 0.0;
   double b = 0.0;
 
-  friend constexpr Colour operator+(Colour a, Colour b) { return {a.r + b.r, a.g + b.g, a.b + b.b}; }
-  friend constexpr Colour operator*(double k, Colour a) { return {k * a.r, k * a.g, k * a.b}; }
+  friend constexpr Colour operator+(Colour p, Colour q) { return {p.r + q.r, p.g + q.g, p.b + q.b}; }
+  friend constexpr Colour operator*(double k, Colour p) { return {k * p.r, k * p.g, k * p.b}; }
   friend constexpr bool operator==(Colour, Colour) = default;
 };
 

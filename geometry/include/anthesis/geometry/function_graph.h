@@ -35,6 +35,10 @@ class FunctionGraph {
 };
 
 /// At least two points, finite, x ascending and not all equal.
-std::optional<Error> check_function(std::span<const Vec2> points, std::string_view where);
+std::optional<Error> check_function(std::string_view where, std::span<const Vec2> points);
+
+/// The same, with all values within [low, high].
+std::optional<Error> check_function_values(std::string_view where, std::span<const Vec2> points, double low,
+                                           double high);
 
 }  // namespace anthesis

@@ -49,6 +49,6 @@ class SurfaceOfRevolution {
 };
 
 /// At least two finite points with radius >= 0, not all on the axis and not all equal.
-std::optional<Error> check_profile(std::span<const Vec2> controls_mm, std::string_view where);
+std::optional<Error> check_profile(std::string_view where, std::span<const Vec2> controls_mm);
 
 }  // namespace anthesis
