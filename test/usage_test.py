@@ -107,6 +107,9 @@ class Mistakes(ProgramTest):
         self.expect(USAGE, "render", "sunflower", "-o", "a.png", "--size", "100x",
                     message="--size must be a whole number in [16, 8192], got 100x")
 
+        self.expect(USAGE, "render", "sunflower", "-o", "a.png", "--organ", "ray",
+                    message="--organ must be ray_floret, disk_floret or bract, got ray")
+
     def test_flags_that_do_not_go_together(self):
         self.expect(USAGE, "grow", "sunflower", "-o", "a.glb", "--at", "1", "--frames", "3",
                     message="--at is for one time and --frames for an animation: give one of them")

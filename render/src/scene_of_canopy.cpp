@@ -91,4 +91,20 @@ Scene make_scene(const Development& development, const Canopy& canopy, const Sce
   return scene;
 }
 
+Expected<Scene> make_organ_scene(const Species& species, std::size_t kind, double stage, double detail,
+                                 const SceneOptions& options) {
+  const auto organ = OrganTemplate::build(species.organs[kind].shape, detail, 0, 0);
+  if (!organ) {
+    return unexpected(organ.error());
+  }
+  Scene scene;
+  scene.backdrop = options.backdrop;
+  scene.pigments = species.pigments;
+  scene.meshes.push_back(posed(*organ, stage, species));
+  Instance instance;
+  instance.variations.resize(scene.meshes[0].spans.size());
+  scene.instances.push_back(std::move(instance));
+  return scene;
+}
+
 }  // namespace anthesis

@@ -118,5 +118,21 @@ TEST(MakeScene, HoldsEveryOrganOnceAndSharesTheirMeshes) {
   EXPECT_TRUE(unframed);
 }
 
+TEST(MakeOrganScene, ShowsOneOrganUprightAtItsStage) {
+  const Species species = head_of_pegs();
+  for (const auto& [stage, height_mm] : {std::pair(0.0, 2.0), std::pair(0.5, 3.0), std::pair(1.0, 4.0)}) {
+    const auto scene = make_organ_scene(species, 0, stage, 1.0);
+    ASSERT_TRUE(scene.has_value());
+    EXPECT_FALSE(check(*scene).has_value());
+    ASSERT_EQ(scene->instances.size(), 1U);
+    EXPECT_EQ(scene->instances[0].variations.size(), scene->meshes[0].spans.size());
+    double top_mm = 0.0;
+    for (const Vec3 p : scene->meshes[0].mesh.positions_mm) {
+      top_mm = std::max(top_mm, p.z);
+    }
+    EXPECT_NEAR(top_mm, height_mm, 1e-12);
+  }
+}
+
 }  // namespace
 }  // namespace anthesis

@@ -71,16 +71,38 @@ Photographer::Photographer(const PictureOptions& options) : exposure_ev_(options
   scene_.ground = options.ground;
 }
 
-Image Photographer::photograph(const Development& development, double time, double framed_time,
-                               const Progress& progress) {
-  Scene scene = make_scene(development, development.at(time), scene_);
-  const Camera camera =
-      frame(time == framed_time ? scene : make_scene(development, development.at(framed_time), scene_), view_,
-            render_.width, render_.height);
+Image Photographer::expose(Scene scene, const Scene& framed, const Progress& progress) {
+  const Camera camera = frame(framed, view_, render_.width, render_.height);
   scene.lighting = studio_lighting(camera);
   RenderOptions options = render_;
   options.exposure = metered_exposure(scene.lighting, camera) * math::pow(2.0, exposure_ev_);
   return develop(value_of(trace(scene, camera, options, progress)));
+}
+
+Image Photographer::photograph(const Development& development, double time, double framed_time,
+                               const Progress& progress) {
+  Scene scene = make_scene(development, development.at(time), scene_);
+  if (time == framed_time) {
+    const Scene framed = scene;
+    return expose(std::move(scene), framed, progress);
+  }
+  return expose(std::move(scene), make_scene(development, development.at(framed_time), scene_), progress);
+}
+
+Image Photographer::photograph(const Species& species, std::size_t kind, double detail, double stage,
+                               bool frame_all_stages, const Progress& progress) {
+  const auto scene_at = [&](double at) { return value_of(make_organ_scene(species, kind, at, detail, scene_)); };
+  Scene framed = scene_at(stage);
+  if (frame_all_stages) {
+    constexpr int kStages = 10;
+    for (int i = 0; i <= kStages; ++i) {
+      Scene other = scene_at(static_cast<double>(i) / kStages);
+      other.instances[0].mesh = static_cast<std::uint32_t>(framed.meshes.size());
+      framed.meshes.push_back(std::move(other.meshes[0]));
+      framed.instances.push_back(std::move(other.instances[0]));
+    }
+  }
+  return expose(scene_at(stage), framed, progress);
 }
 
 std::string Photographer::take(const Development& development, double time, double framed_time,

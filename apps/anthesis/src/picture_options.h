@@ -34,10 +34,16 @@ class Photographer {
   /// The plant at `time`. The camera stands where it frames the plant at `framed_time`.
   Image photograph(const Development& development, double time, double framed_time, const Progress& progress);
 
+  /// One kind of organ alone at `stage`, the camera where it frames it at that stage, or at all stages.
+  Image photograph(const Species& species, std::size_t kind, double detail, double stage, bool frame_all_stages,
+                   const Progress& progress);
+
   /// The same as the bytes of a PNG.
   std::string take(const Development& development, double time, double framed_time, const Progress& progress);
 
  private:
+  Image expose(Scene scene, const Scene& framed, const Progress& progress);
+
   View view_;
   RenderOptions render_;
   SceneOptions scene_;

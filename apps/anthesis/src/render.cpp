@@ -22,7 +22,20 @@ struct Arguments {
   std::optional<double> at;
   std::optional<int> frames;
   std::optional<int> columns;
+  std::string organ;
 };
+
+/// Index of the kind of organ that --organ names.
+std::size_t kind_named(const Species& species, const std::string& name) {
+  std::string known;
+  for (std::size_t i = 0; i < species.organs.size(); ++i) {
+    if (species.organs[i].name == name) {
+      return i;
+    }
+    known += (i == 0 ? "" : i + 1 == species.organs.size() ? " or " : ", ") + species.organs[i].name;
+  }
+  throw usage("--organ must be " + known + ", got " + name);
+}
 
 /// The file of one of several pictures: flower_0012.png.
 std::string numbered(const std::string& path, int frame) {
@@ -49,6 +62,18 @@ void run(const Arguments& arguments, Console& console) {
   const Development development = grow(arguments.growth, species, report, progress);
   describe_plant(development, arguments.at.value_or(1.0), report);
 
+  const std::optional<std::size_t> kind =
+      arguments.organ.empty() ? std::nullopt : std::optional(kind_named(species, arguments.organ));
+  const auto photograph = [&](double time, double framed_time, const Progress& watch) {
+    return report.time("render", [&] {
+      return kind ? photographer.photograph(species, *kind, arguments.growth.detail, time, arguments.frames.has_value(),
+                                            watch)
+                  : photographer.photograph(development, time, framed_time, watch);
+    });
+  };
+  const auto write = [&](const std::string& path, const Image& image, double time) {
+    write_output(report, path, value_of(encode_png(image, provenance_texts(development, time))));
+  };
   if (arguments.frames) {
     const int count = *arguments.frames;
     report.values["frames"] = count;
@@ -59,21 +84,18 @@ void run(const Arguments& arguments, Console& console) {
       const Progress watch = [&](std::string_view part, double fraction) {
         return progress(stage + ' ' + std::string(part), fraction);
       };
-      images.push_back(report.time("render", [&] { return photographer.photograph(development, time, 1.0, watch); }));
+      images.push_back(photograph(time, 1.0, watch));
       if (!arguments.columns) {
-        write_output(report, numbered(output.path, i),
-                     value_of(encode_png(images.back(), provenance_texts(development, time))));
+        write(numbered(output.path, i), images.back(), time);
         images.clear();
       }
     }
     if (arguments.columns) {
-      const Image sheet = contact_sheet(images, std::min(*arguments.columns, count));
-      write_output(report, output.path, value_of(encode_png(sheet, provenance_texts(development, 1.0))));
+      write(output.path, contact_sheet(images, std::min(*arguments.columns, count)), 1.0);
     }
   } else {
     const double time = arguments.at.value_or(1.0);
-    write_output(report, output.path,
-                 report.time("render", [&] { return photographer.take(development, time, time, progress); }));
+    write(output.path, photograph(time, time, progress), time);
   }
   if (arguments.growth.json) {
     print(report.text());
@@ -87,7 +109,8 @@ Command add_render(CLI::App& app) {
                                   "  anthesis render sunflower -o sunflower.png\n"
                                   "  anthesis render daisy -o top.png --view top --size 600 --quality draft\n"
                                   "  anthesis render sunflower -o opening.png --frames 21   (opening_0000.png ...)\n"
-                                  "  anthesis render daisy -o sheet.png --frames 21 --columns 7 --size 300");
+                                  "  anthesis render daisy -o sheet.png --frames 21 --columns 7 --size 300\n"
+                                  "  anthesis render daisy -o floret.png --organ disk_floret --at 0.6 --view side");
   auto arguments = std::make_shared<Arguments>();
   add_outputs(*command, arguments->outputs, kFormats);
   arguments->growth.detail = 2.0;  // outlines show facets in a large picture that nobody sees in a model
@@ -97,6 +120,10 @@ Command add_render(CLI::App& app) {
             "Take so many pictures over the development, in files x_0000.png, x_0001.png ...");
   add_whole(*command, "--columns", arguments->columns, 1, 100,
             "Put the pictures of --frames into one, so many in a row");
+  command
+      ->add_option("--organ", arguments->organ,
+                   "One kind of organ alone, as the species file states it; --at and --frames are then its stages")
+      ->type_name("NAME");
   arguments->picture.add_to(*command);
   return {command, [arguments](Console& console) { run(*arguments, console); }};
 }

@@ -14,4 +14,9 @@ struct SceneOptions {
 /// The light is that of an even white sky: set `lighting`, for instance to studio_lighting(camera), afterwards.
 Scene make_scene(const Development& development, const Canopy& canopy, const SceneOptions& options = {});
 
+/// One organ alone, as the species states it: the shape of species.organs[kind] at `stage`, without individual
+/// variation, its axis along +z. `detail` as for GrowthOptions. Error: that of OrganTemplate::build.
+Expected<Scene> make_organ_scene(const Species& species, std::size_t kind, double stage, double detail,
+                                 const SceneOptions& options = {});
+
 }  // namespace anthesis
