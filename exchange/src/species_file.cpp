@@ -591,12 +591,16 @@ class TableReader {
 };
 
 /// Refuses what would send the parser or the destructors of its tables deep into recursion: brackets within brackets
-/// and keys of many parts. toml++ 3.3 limits the first to 256 and does not limit the second.
-class NestingScan {
+/// and keys of many parts. toml++ 3.3 limits the first to 256 and does not limit the second. Refuses letters beyond
+/// ASCII where TOML has no place for them as well, since looking at those its lexer runs past the end of a switch.
+class FirstScan {
  public:
-  NestingScan(std::string_view text, Document& document) : text_(text), document_(document) {}
+  FirstScan(std::string_view text, Document& document) : text_(text), document_(document) {}
 
   void run() {
+    if (text_.substr(0, 3) == "\xEF\xBB\xBF") {  // a byte order mark is allowed
+      at_ = 3;
+    }
     while (at_ < text_.size() && !document_.failed()) {
       step();
     }
@@ -611,6 +615,9 @@ class NestingScan {
     if (c == '#') {
       at_ = std::min(text_.find('\n', at_), text_.size());
       return;
+    }
+    if (static_cast<unsigned char>(c) >= 0x80) {
+      return fail("is not TOML: characters beyond ASCII stand in quoted texts and comments only");
     }
     if (c == '[' || c == '{') {
       if (++depth_ > kMostNested) {
@@ -724,7 +731,7 @@ Expected<Species> read_species(std::string_view text, std::string_view file_name
               "must be at most " + std::to_string(kSpeciesFileLimit) + " bytes, got " + std::to_string(text.size())});
   }
   Document document(file_name);
-  NestingScan(text, document).run();
+  FirstScan(text, document).run();
   if (document.failed()) {
     return unexpected(document.take_error());
   }

@@ -3,7 +3,6 @@
 #include <gmock/gmock.h>
 
 #include <charconv>
-#include <clocale>
 #include <sstream>
 
 #include "anthesis/base/math.h"
@@ -61,16 +60,6 @@ TEST(OrgansCsv, ReadsBackAsTheSameNumbers) {
     EXPECT_EQ(number(fields[17]), state.stage);
   }
   EXPECT_FALSE(std::getline(stream, line));
-}
-
-TEST(OrgansCsv, IsTheSameInALocaleWithADecimalComma) {
-  const Development development = test::grow_tiny();
-  const std::string plain = *organs_csv(development, 1.0);
-  if (std::setlocale(LC_ALL, "de_DE.UTF-8") == nullptr) {
-    GTEST_SKIP() << "the locale is not installed";
-  }
-  EXPECT_EQ(*organs_csv(development, 1.0), plain);
-  std::setlocale(LC_ALL, "C");
 }
 
 TEST(OrgansCsv, RefusesTimesOutsideTheDevelopment) {

@@ -375,5 +375,16 @@ TEST(FindSpecies, TakesNamesAndPathsAndHintsAtNames) {
   EXPECT_EQ(absent.error().code, ErrorCode::kIo);
 }
 
+TEST(ReadSpecies, LettersBeyondAsciiAreForTextsAndComments) {
+  const auto error_of = [](const char* text) { return to_string(read_species(text, "a.toml").error()); };
+  EXPECT_EQ(error_of("name = \"x\"\nl\u00e4nge = 1\n"),
+            "a.toml:2:2: is not TOML: characters beyond ASCII stand in quoted texts and comments only");
+  EXPECT_EQ(error_of("name = \u00e9"),
+            "a.toml:1:8: is not TOML: characters beyond ASCII stand in quoted texts and comments only");
+  // In a text, in a comment and as a byte order mark they are nobody's fault.
+  EXPECT_EQ(error_of("\xEF\xBB\xBF# \u00e9\nsummary = \"\u00e9\"\nnmae = \"x\"\n").find("beyond ASCII"),
+            std::string::npos);
+}
+
 }  // namespace
 }  // namespace anthesis
