@@ -60,7 +60,7 @@ struct PigmentVariation {
 
 PigmentVariation vary(const Pigment& pigment, std::uint64_t seed, std::uint64_t organ);
 
-/// Diffuse colour at (u, v) in [0, 1]^2 of the upper or lower side. A pure function, about 100 ns.
+/// Diffuse colour at (u, v) in [0, 1]^2 of the upper or lower side. A pure function, about 150 ns.
 Colour colour_at(const Pigment& pigment, const PigmentVariation& variation, Vec2 uv, bool upper_side);
 
 }  // namespace anthesis

@@ -49,7 +49,7 @@ struct PrimordiumPlace {
 class Fractionation {
  public:
   /// Produces primordia until the naked region is smaller than one of them, or until time 1.
-  /// More than `limit` primordia are kTooLarge. O(n^2) additions and O(n) surfaces: 1,000 primordia in about 50 ms.
+  /// More than `limit` primordia are kTooLarge. O(n^2) additions and O(n) surfaces: 1,000 primordia in about 40 ms.
   static Expected<Fractionation> run(FractionationParams params, std::size_t limit, const Progress& progress = {});
 
   std::span<const Primordium> primordia() const { return primordia_; }
