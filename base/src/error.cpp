@@ -28,6 +28,8 @@ int exit_code(ErrorCode code) {
   switch (code) {
     case ErrorCode::kIo:
       return 74;  // EX_IOERR of sysexits.h
+    case ErrorCode::kCrossing:
+      return 1;
     case ErrorCode::kCancelled:
       return 130;  // what a shell reports after Ctrl-C
     case ErrorCode::kInvalidParameter:

@@ -43,14 +43,16 @@ bool parallel_for(std::size_t count, const std::function<void(std::size_t)>& bod
   return !stopped;
 }
 
+// Made in place: the control can be copied, but a copy's end lifts the limit.
 struct ThreadLimit::State {
+  explicit State(int threads)
+      : control(tbb::global_control::max_allowed_parallelism, static_cast<std::size_t>(threads)) {}
   tbb::global_control control;
 };
 
 ThreadLimit::ThreadLimit(int threads) {
   if (threads > 0) {
-    state_ = std::make_unique<State>(
-        State{tbb::global_control(tbb::global_control::max_allowed_parallelism, static_cast<std::size_t>(threads))});
+    state_ = std::make_unique<State>(threads);
   }
 }
 

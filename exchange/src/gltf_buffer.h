@@ -18,6 +18,7 @@ class GltfBuffer {
   /// Each returns the index of the new accessor. Vectors are consecutive floats, three (two) for each element.
   int add_indices(std::span<const std::uint32_t> values, std::uint32_t vertex_count);
   int add_vectors3(std::span<const float> values, bool bounds);
+  void reserve_vectors3(std::size_t count) { vectors3_.bytes.reserve(12 * count); }  ///< elements of add_vectors3
   int add_vectors2(std::span<const float> values);
   int add_times(std::span<const float> values);
   int add_keys(std::span<const float> values, int type);  ///< output of an animation sampler, TINYGLTF_TYPE_*

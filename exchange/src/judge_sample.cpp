@@ -6,6 +6,8 @@
 #include <vector>
 
 #include "flat_plant.h"
+#include "frame_tracks.h"
+#include "glb_writer.h"
 #include "provenance.h"
 #include "text.h"
 #include "timeline.h"
@@ -138,6 +140,79 @@ Expected<std::string> expected_positions_json(const Development& development, co
                          {"times_s", std::move(times_s)},
                          {"bodies", std::move(bodies)},
                          {"organs", std::move(organs)}};
+  return expected.dump() + "\n";
+}
+
+Expected<std::string> expected_positions_json(const Development& development, std::span<const Canopy> frames,
+                                              const GlbOptions& options, std::span<const int> sampled) {
+  const Expected<detail::FrameTracks> tracks = detail::track_frames(development, frames, {});
+  if (!tracks) {
+    return unexpected(tracks.error());
+  }
+  std::vector<double> times;
+  for (const Canopy& canopy : frames) {
+    times.push_back(canopy.time);
+  }
+  const std::vector<double> seconds = detail::key_seconds(times, options.duration_s);
+  Json times_s = Json::array();
+  std::vector<const Canopy*> canopies;
+  for (const int frame : sampled) {
+    if (frame < 0 || static_cast<std::size_t>(frame) >= frames.size()) {
+      return unexpected(invalid_parameter("frames", "must name keys of the animation", frame));
+    }
+    times_s.push_back(seconds[static_cast<std::size_t>(frame)]);
+    canopies.push_back(&frames[static_cast<std::size_t>(frame)]);
+  }
+
+  // The file has the numbers themselves: all that is left is how a reader of single precision turns the root to +Y and
+  // to metres, four roundings of a coordinate and as many of the matrix.
+  constexpr double kReaderRounding = 5e-7;
+  const auto item = [&](const detail::FrameTrack& track, const std::string& name, const auto& positions_in) {
+    const std::vector<std::size_t> vertices = sample_vertices(track.vertex_count);
+    double reach_mm = 0.0;
+    Json at_times = Json::array();
+    for (std::size_t i = 0; i < canopies.size(); ++i) {
+      if (static_cast<std::size_t>(sampled[i]) < track.first_frame) {
+        at_times.push_back(nullptr);
+        continue;
+      }
+      const std::vector<Vec3> positions_mm = positions_in(*canopies[i]);
+      Json points = Json::array();
+      for (const std::size_t vertex : vertices) {
+        reach_mm = std::max(reach_mm, length(positions_mm[vertex]));
+        points.push_back(metres(positions_mm[vertex]));
+      }
+      at_times.push_back(std::move(points));
+    }
+    return Json{{"name", detail::valid_utf8(name)},
+                {"vertex_count", track.vertex_count},
+                {"vertices", vertices},
+                {"tolerance_m", 0.001 * kReaderRounding * reach_mm},
+                {"positions", std::move(at_times)}};
+  };
+
+  Json organs = Json::array();
+  for (std::size_t i = 0; i < tracks->ids.size(); ++i) {
+    const OrganId id = tracks->ids[i];
+    Json organ = item(tracks->organs[i], detail::organ_name(development, id), [&](const Canopy& canopy) {
+      const OrganState& state = *detail::organ_in(canopy, id);
+      std::vector<Vec3> positions_mm;
+      std::vector<Vec3> normals;
+      detail::pose_in_world(detail::template_of(development, state), state, positions_mm, normals);
+      return positions_mm;
+    });
+    organ["organ"] = id.value;
+    organs.push_back(std::move(organ));
+  }
+  Json bodies = Json::array();
+  for (std::size_t j = 0; j < tracks->bodies.size(); ++j) {
+    const std::string& name = frames.back().bodies[tracks->body_of_track[j]].name;
+    bodies.push_back(item(tracks->bodies[j], name,
+                          [&](const Canopy& canopy) { return detail::body_named(canopy, name)->mesh.positions_mm; }));
+  }
+  const Json expected = {{"generator", detail::generator()}, {"frames", frames.size()},
+                         {"duration_s", seconds.back()},     {"times_s", std::move(times_s)},
+                         {"bodies", std::move(bodies)},      {"organs", std::move(organs)}};
   return expected.dump() + "\n";
 }
 

@@ -4,6 +4,7 @@
 #include <span>
 
 #include "anthesis/base/parallel.h"
+#include "check_time.h"
 #include "flat_plant.h"
 #include "provenance.h"
 #include "text.h"
@@ -47,17 +48,17 @@ void append_uvs(std::string& text, std::span<const Vec2> uvs) {
   }
 }
 
-std::string header(const Development& development, double time) {
+std::string header(const Development& development, const Canopy& canopy) {
   std::string text = "# " + detail::generator() + "\n";
-  for (const auto& [key, value] : detail::provenance(development)) {
+  for (const auto& [key, value] : detail::provenance(development, detail::is_resolved(canopy))) {
     append(text, "# ", key, ": ", value, "\n");
   }
-  append(text, "# time: ", time, "\n# units: millimetres; +z is up\n");
+  append(text, "# time: ", canopy.time, "\n# units: millimetres; +z is up\n");
   return text;
 }
 
-std::string material_library(const Development& development, double time) {
-  std::string text = header(development, time);
+std::string material_library(const Development& development, const Canopy& canopy) {
+  std::string text = header(development, canopy);
   std::vector<Pigment> pigments = development.species().pigments;
   pigments.push_back(detail::pigment_named(development.species(), ""));
   for (const Pigment& pigment : pigments) {
@@ -79,16 +80,24 @@ std::string material_library(const Development& development, double time) {
 
 Expected<ObjText> to_obj(const Development& development, double time, std::string_view mtl_name,
                          const Progress& progress) {
-  Expected<detail::FlatPlant> plant = detail::flat_plant(development, time);
+  if (std::optional<Error> error = detail::check_time(time)) {
+    return unexpected(*error);
+  }
+  return to_obj(development, development.at(time), mtl_name, progress);
+}
+
+Expected<ObjText> to_obj(const Development& development, const Canopy& canopy, std::string_view mtl_name,
+                         const Progress& progress) {
+  const Expected<detail::FlatPlant> plant = detail::flat_plant(development, canopy);
   if (!plant) {
     return unexpected(plant.error());
   }
-  const std::vector<OrganState>& organs = plant->canopy.organs;
-  const std::vector<Body>& bodies = plant->canopy.bodies;
+  const std::vector<OrganState>& organs = canopy.organs;
+  const std::vector<Body>& bodies = canopy.bodies;
   const std::span<const OrganTemplate> templates = development.templates();
 
   ObjText result;
-  result.obj = header(development, time);
+  result.obj = header(development, canopy);
   append(result.obj, "mtllib ", detail::one_word(mtl_name), "\n");
 
   // Organs of one template share their texture coordinates: written once, where the template is first used.
@@ -164,7 +173,7 @@ Expected<ObjText> to_obj(const Development& development, double time, std::strin
     next_uv += mesh.uvs.size();
     next_normal += mesh.normals.size();
   }
-  result.mtl = material_library(development, time);
+  result.mtl = material_library(development, canopy);
   return result;
 }
 

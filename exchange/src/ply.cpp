@@ -6,6 +6,7 @@
 #include <span>
 
 #include "anthesis/base/parallel.h"
+#include "check_time.h"
 #include "flat_plant.h"
 #include "provenance.h"
 #include "text.h"
@@ -70,13 +71,13 @@ void put_faces(Writer& to, std::span<const Triangle> triangles, std::uint32_t fi
   }
 }
 
-std::string header(const Development& development, const detail::FlatPlant& plant, double time) {
+std::string header(const Development& development, const Canopy& canopy, const detail::FlatPlant& plant) {
   std::string text = "ply\nformat binary_little_endian 1.0\n";
   detail::append(text, "comment generator: ", detail::generator(), "\n");
-  for (const auto& [key, value] : detail::provenance(development)) {
+  for (const auto& [key, value] : detail::provenance(development, detail::is_resolved(canopy))) {
     detail::append(text, "comment ", key, ": ", value, "\n");
   }
-  detail::append(text, "comment time: ", time, "\ncomment units: millimetres; +z is up\n");
+  detail::append(text, "comment time: ", canopy.time, "\ncomment units: millimetres; +z is up\n");
   const std::vector<OrganKind>& kinds = development.species().organs;
   for (std::size_t i = 0; i < kinds.size(); ++i) {
     detail::append(text, "comment kind ", i, ": ", detail::one_line(kinds[i].name), "\n");
@@ -94,13 +95,20 @@ std::string header(const Development& development, const detail::FlatPlant& plan
 }  // namespace
 
 Expected<std::string> to_ply(const Development& development, double time, const Progress& progress) {
-  Expected<detail::FlatPlant> plant = detail::flat_plant(development, time);
+  if (std::optional<Error> error = detail::check_time(time)) {
+    return unexpected(*error);
+  }
+  return to_ply(development, development.at(time), progress);
+}
+
+Expected<std::string> to_ply(const Development& development, const Canopy& canopy, const Progress& progress) {
+  const Expected<detail::FlatPlant> plant = detail::flat_plant(development, canopy);
   if (!plant) {
     return unexpected(plant.error());
   }
   const Species& species = development.species();
-  const std::vector<OrganState>& organs = plant->canopy.organs;
-  const std::vector<Body>& bodies = plant->canopy.bodies;
+  const std::vector<OrganState>& organs = canopy.organs;
+  const std::vector<Body>& bodies = canopy.bodies;
 
   std::vector<std::uint64_t> first_triangle;
   std::uint64_t triangles = 0;
@@ -109,7 +117,7 @@ Expected<std::string> to_ply(const Development& development, double time, const 
     triangles += detail::template_of(development, state).triangles().size();
   }
 
-  std::string bytes = header(development, *plant, time);
+  std::string bytes = header(development, canopy, *plant);
   const std::size_t vertex_start = bytes.size();
   const std::size_t face_start = vertex_start + std::size_t{plant->vertex_count} * kVertexBytes;
   bytes.resize(face_start + plant->triangle_count * kFaceBytes);

@@ -11,7 +11,8 @@ namespace anthesis::detail {
 std::string generator();
 
 /// What a file was made from, as (key, value) in the order it is written: version, species, latin name, seed, detail,
-/// and the hash of the species file where there is one. No time of writing: equal input gives equal bytes.
-std::vector<std::pair<std::string, std::string>> provenance(const Development& development);
+/// and the hash of the species file where there is one; `resolved` adds that collisions are. No time of writing: equal
+/// input gives equal bytes.
+std::vector<std::pair<std::string, std::string>> provenance(const Development& development, bool resolved = false);
 
 }  // namespace anthesis::detail

@@ -227,6 +227,18 @@ void describe(V& v, Table<ShapeVariation>) {
   v.range("width", &T::width, within(0.01, 100.0), "Factor of the width.");
 }
 
+template <class V>
+void describe(V& v, Table<Tissue>) {
+  using T = Tissue;
+  const auto stiffness = within(1e-6, 1.0);
+  v.number("thickness_mm", &T::thickness_mm, within(0.01, 10.0),
+           "Thickness of a grown organ, in mm: organs keep the mean of theirs between them.");
+  v.number("stretch", &T::stretch, stiffness, "Stiffness against change of lengths: share of an error removed at once.");
+  v.number("bend", &T::bend, stiffness, "Stiffness against bending of the midrib: folds that run across.");
+  v.number("roll", &T::roll, stiffness, "Stiffness against rolling or flattening: folds that run along.");
+  v.number("hold", &T::hold, stiffness, "Stiffness of the attachment at the base.");
+}
+
 // The file shows the form of an organ beside its timing: one table, two structs.
 inline constexpr auto kShapePetals = [](auto& kind) -> auto& {
   return kind.shape.petals;
@@ -255,6 +267,7 @@ void describe(V& v, Table<OrganKind>) {
            "Extra tilt of the first organ of the kind over the last, in degrees: neighbours lie in layers.");
   v.number("sink_mm", &T::sink_mm, within(-1000.0, 1000.0), "How deep the base is set into the receptacle, in mm.");
   v.table("variation", &T::variation, Layout::kInline, "How organs of the kind differ in how they stand.");
+  v.table("tissue", &T::tissue, Layout::kInline, "How organs of the kind give way when they touch.");
   v.table("shape_variation", kShapeVariation, Layout::kInline, "How organs of the kind differ in form.");
   v.list("petals", kShapePetals, Count{0, 32},
          "Sets of petals, or of anything flat: ligules, corolla lobes, bracts, leaves.");

@@ -7,6 +7,7 @@
 #include <sstream>
 
 #include "anthesis/base/parallel.h"
+#include "bent_plant.h"
 #include "tiny_species.h"
 
 namespace anthesis {
@@ -90,6 +91,43 @@ TEST(ToObj, ReadsBackWithEveryOrganAndEveryTriangle) {
   std::vector<Vec3> unused(shape.vertex_count());
   shape.pose(state.stage, posed, unused);
   EXPECT_LT(length(first_of_object.front() - apply(state.world_from_organ, posed.front())), 1e-4);
+}
+
+TEST(ToObj, StatesBentOrgansAndTheirBodiesSoThatTheyReadBackToTheLastBit) {
+  const Development development = test::grow_tiny();
+  const Canopy canopy = test::bent(development, 0.7);
+  const Expected<ObjText> files = to_obj(development, canopy, "bent.mtl");
+  ASSERT_TRUE(files.has_value());
+  EXPECT_THAT(files->obj, testing::HasSubstr("\n# collisions: resolved\n"));
+  EXPECT_THAT(files->mtl, testing::HasSubstr("\n# collisions: resolved\n"));
+  std::vector<float> wanted;
+  for (const OrganState& state : canopy.organs) {
+    for (const std::array<float, 3>& p : state.deformed_mm) {
+      wanted.insert(wanted.end(), p.begin(), p.end());
+    }
+  }
+  for (const Body& body : canopy.bodies) {
+    for (const Vec3 p : body.mesh.positions_mm) {
+      wanted.insert(wanted.end(), {static_cast<float>(p.x), static_cast<float>(p.y), static_cast<float>(p.z)});
+    }
+  }
+  std::size_t next = 0;
+  std::stringstream stream(files->obj);
+  for (std::string line; std::getline(stream, line);) {
+    if (line.starts_with("v ")) {
+      std::stringstream words(line.substr(2));
+      for (std::string word; words >> word; ++next) {
+        ASSERT_LT(next, wanted.size());
+        ASSERT_EQ(std::stof(word), wanted[next]) << line;
+      }
+    }
+  }
+  EXPECT_EQ(next, wanted.size());
+}
+
+TEST(ToObj, OfACanopyIsThatOfItsTime) {
+  const Development development = test::grow_tiny();
+  EXPECT_EQ(to_obj(development, development.at(0.4), "a.mtl")->obj, to_obj(development, 0.4, "a.mtl")->obj);
 }
 
 TEST(ToObj, SameBytesForAnyNumberOfThreads) {

@@ -7,6 +7,7 @@
 #include <set>
 
 #include "anthesis/base/parallel.h"
+#include "bent_plant.h"
 #include "tiny_species.h"
 
 namespace anthesis {
@@ -73,6 +74,42 @@ TEST(ToPly, SameBytesForAnyNumberOfThreads) {
     const ThreadLimit limit(threads);
     EXPECT_EQ(*to_ply(development, 0.5), once);
   }
+}
+
+TEST(ToPly, StatesBentOrgansAndTheirBodiesToTheLastBit) {
+  const Development development = test::grow_tiny();
+  const Canopy canopy = test::bent(development, 0.7);
+  const Expected<std::string> bytes = to_ply(development, canopy);
+  ASSERT_TRUE(bytes.has_value());
+  const std::string end = "end_header\n";
+  const std::size_t start = bytes->find(end) + end.size();
+  EXPECT_THAT(bytes->substr(0, start), testing::HasSubstr("comment collisions: resolved\n"));
+  EXPECT_THAT(to_ply(development, 0.7)->substr(0, start), testing::Not(testing::HasSubstr("collisions")));
+  std::vector<std::array<float, 3>> wanted;
+  for (const OrganState& state : canopy.organs) {
+    wanted.insert(wanted.end(), state.deformed_mm.begin(), state.deformed_mm.end());
+  }
+  for (const Body& body : canopy.bodies) {
+    for (const Vec3 p : body.mesh.positions_mm) {
+      wanted.push_back({static_cast<float>(p.x), static_cast<float>(p.y), static_cast<float>(p.z)});
+      EXPECT_EQ(wanted.back()[2], p.z);
+    }
+  }
+  for (std::size_t i = 0; i < wanted.size(); ++i) {
+    ASSERT_EQ(std::memcmp(bytes->data() + start + 35 * i, wanted[i].data(), 12), 0) << "vertex " << i;
+  }
+}
+
+TEST(ToPly, OfACanopyIsThatOfItsTime) {
+  const Development development = test::grow_tiny();
+  EXPECT_EQ(*to_ply(development, development.at(0.4)), *to_ply(development, 0.4));
+}
+
+TEST(ToPly, RefusesCanopiesOfAnotherPlant) {
+  const Development development = test::grow_tiny();
+  Canopy canopy = test::bent(development, 0.7);
+  canopy.organs.front().deformed_mm.pop_back();
+  EXPECT_EQ(to_ply(development, canopy).error().code, ErrorCode::kInvalidParameter);
 }
 
 TEST(ToPly, RefusesTimesOutsideTheDevelopment) {

@@ -18,7 +18,6 @@ constexpr std::size_t kMaxTemplateVertices = 2'000'000;
 constexpr int kReceptacleRings = 40;
 constexpr int kReceptacleSides = 48;
 constexpr int kPeduncleRings = 24;
-constexpr int kPeduncleSides = 20;
 
 /// The functions of an organ kind, ready to evaluate.
 struct KindFunctions {
@@ -50,10 +49,14 @@ void add_band(Mesh& mesh, std::uint32_t a, std::uint32_t b, int sides) {
   }
 }
 
+int receptacle_sides(double detail) {
+  return std::max(8, static_cast<int>(std::lround(kReceptacleSides * detail)));
+}
+
 Mesh receptacle_mesh(const SurfaceOfRevolution& surface, double detail) {
   Mesh mesh;
   const int rings = std::max(4, static_cast<int>(std::lround(kReceptacleRings * detail)));
-  const int sides = std::max(8, static_cast<int>(std::lround(kReceptacleSides * detail)));
+  const int sides = receptacle_sides(detail);
   std::vector<std::uint32_t> first;
   for (int j = 0; j <= rings; ++j) {
     const double t = static_cast<double>(j) / rings;
@@ -79,11 +82,14 @@ Mesh receptacle_mesh(const SurfaceOfRevolution& surface, double detail) {
 }
 
 /// The stem: an arc that leaves the base of the receptacle straight down and bends towards -x. `base` is the rim of the
-/// receptacle now, (radius, height), `mature_base` when it is mature.
-Mesh peduncle_mesh(const Peduncle& peduncle, double length_mm, Vec2 base, Vec2 mature_base, double detail) {
+/// receptacle now, (radius, height), `mature_base` when it is mature. Its first ring is the receptacle's last, vertex
+/// by vertex: the two are one surface.
+Mesh peduncle_mesh(const Peduncle& peduncle, double length_mm, const SurfaceOfRevolution& receptacle, Vec2 mature_base,
+                   double detail) {
   Mesh mesh;
+  const Vec2 base = receptacle.profile_mm().at(1.0);
   const int rings = std::max(4, static_cast<int>(std::lround(kPeduncleRings * detail)));
-  const int sides = std::max(8, static_cast<int>(std::lround(kPeduncleSides * detail)));
+  const int sides = receptacle_sides(detail);
   const double bend = math::radians(peduncle.bend_deg);
   // A young head is carried by a thin stem; a stem's cross-section is in proportion to the width of what it carries.
   const double foot_mm = peduncle.radius_mm * std::sqrt(base.x / mature_base.x);
@@ -103,7 +109,8 @@ Mesh peduncle_mesh(const Peduncle& peduncle, double length_mm, Vec2 base, Vec2 m
     for (int i = 0; i <= sides; ++i) {
       const auto [s, c] = math::sin_cos(math::kTurnRad * (i % sides) / sides);
       const Vec3 out = c * side + Vec3{0.0, s, 0.0};
-      mesh.positions_mm.push_back(centre + radius * out);
+      mesh.positions_mm.push_back(j == 0 ? receptacle.frame(1.0, math::kTurnRad * (i % sides) / sides).position_mm
+                                         : centre + radius * out);
       mesh.normals.push_back(out);
       mesh.uvs.push_back({static_cast<double>(i) / sides, 1.0 - along});
     }
@@ -357,9 +364,8 @@ Canopy Development::at(double time) const {
   const Peduncle& peduncle = state.species.peduncle;
   if (peduncle.length_mm > 0.0) {
     const double length = peduncle.length_mm * state.peduncle_growth(time);
-    canopy.bodies.push_back(
-        {"peduncle", peduncle.pigment,
-         peduncle_mesh(peduncle, length, surface.profile_mm().at(1.0), state.mature_base_mm, state.options.detail)});
+    canopy.bodies.push_back({"peduncle", peduncle.pigment,
+                             peduncle_mesh(peduncle, length, surface, state.mature_base_mm, state.options.detail)});
   }
   return canopy;
 }

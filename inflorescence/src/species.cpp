@@ -141,7 +141,18 @@ std::optional<Error> check_organ(const OrganKind& organ, const std::vector<std::
     return error;
   if (auto error = check_range(where + ".variation.roll_deg", v.roll_deg, -180.0, 180.0))
     return error;
-  return check_range(where + ".variation.stage", v.stage, -1.0, 1.0);
+  if (auto error = check_range(where + ".variation.stage", v.stage, -1.0, 1.0))
+    return error;
+  const Tissue& tissue = organ.tissue;
+  if (auto error = check_number(where + ".tissue.thickness_mm", tissue.thickness_mm, 0.01, 10.0))
+    return error;
+  const std::pair<const char*, double> stiffnesses[] = {
+      {"stretch", tissue.stretch}, {"bend", tissue.bend}, {"roll", tissue.roll}, {"hold", tissue.hold}};
+  for (const auto& [name, stiffness] : stiffnesses) {
+    if (auto error = check_number(where + ".tissue." + name, stiffness, 1e-6, 1.0))
+      return error;
+  }
+  return std::nullopt;
 }
 
 std::optional<Error> check_pigment(const Pigment& pigment) {

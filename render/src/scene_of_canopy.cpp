@@ -4,7 +4,12 @@
 #include <cmath>
 #include <limits>
 #include <map>
+#include <optional>
 #include <utility>
+
+#include "anthesis/base/assert.h"
+#include "anthesis/base/parallel.h"
+#include "anthesis/corolla/surface_follower.h"
 
 namespace anthesis {
 
@@ -21,19 +26,89 @@ std::uint32_t pigment_index(const Species& species, const std::string& name) {
   return 0;
 }
 
-SceneMesh posed(const OrganTemplate& organ, double stage, const Species& species) {
-  SceneMesh posed;
-  Mesh& mesh = posed.mesh;
+/// The surface of a template without its places.
+SceneMesh surface_of(const OrganTemplate& organ, const Species& species) {
+  SceneMesh surface;
+  Mesh& mesh = surface.mesh;
   mesh.positions_mm.resize(organ.vertex_count());
   mesh.normals.resize(organ.vertex_count());
-  organ.pose(stage, mesh.positions_mm, mesh.normals);
   mesh.uvs.assign(organ.uvs().begin(), organ.uvs().end());
   mesh.triangles.assign(organ.triangles().begin(), organ.triangles().end());
   for (const TemplateGroup& group : organ.groups()) {
-    posed.spans.push_back({group.first_triangle, group.triangle_count, pigment_index(species, group.pigment)});
+    surface.spans.push_back({group.first_triangle, group.triangle_count, pigment_index(species, group.pigment)});
   }
+  return surface;
+}
+
+SceneMesh posed(const OrganTemplate& organ, double stage, const Species& species) {
+  SceneMesh posed = surface_of(organ, species);
+  organ.pose(stage, posed.mesh.positions_mm, posed.mesh.normals);
   return posed;
 }
+
+std::vector<Vec3> bent_mm(const OrganState& state) {
+  std::vector<Vec3> positions_mm;
+  positions_mm.reserve(state.deformed_mm.size());
+  for (const std::array<float, 3>& p : state.deformed_mm) {
+    positions_mm.push_back({p[0], p[1], p[2]});
+  }
+  return positions_mm;
+}
+
+/// An organ that touching bent, where it is in the world.
+SceneMesh deformed(const OrganTemplate& organ, const OrganState& state, const Species& species) {
+  ANTHESIS_ASSERT(state.deformed_mm.size() == organ.vertex_count());
+  SceneMesh deformed = surface_of(organ, species);
+  Mesh& mesh = deformed.mesh;
+  mesh.positions_mm = bent_mm(state);
+  smooth_normals(mesh.positions_mm, organ.triangles(), organ.twins(), mesh.normals);
+  return deformed;
+}
+
+/// Lets the organs of a finer plant follow those of the plant that was bent.
+class Refinement {
+ public:
+  Refinement(const Development& coarse, const Development& finer, const Canopy& canopy)
+      : coarse_(coarse), finer_(finer) {
+    ANTHESIS_ASSERT(coarse.templates().size() == finer.templates().size());
+    followers_.resize(coarse.templates().size());
+    for (const OrganState& state : canopy.organs) {
+      std::optional<SurfaceFollower>& follower = followers_[template_index(state)];
+      if (!state.deformed_mm.empty() && !follower) {
+        follower.emplace(coarse.templates()[template_index(state)], finer.templates()[template_index(state)]);
+      }
+    }
+  }
+
+  SceneMesh mesh(const OrganState& state) const {
+    const OrganTemplate& coarse = coarse_.templates()[template_index(state)];
+    const OrganTemplate& fine = finer_.templates()[template_index(state)];
+    SceneMesh result = surface_of(fine, finer_.species());
+    Mesh& mesh = result.mesh;
+    std::vector<Vec3> rest_mm(coarse.vertex_count());
+    std::vector<Vec3> normals(coarse.vertex_count());
+    coarse.pose(state.stage, rest_mm, normals);
+    fine.pose(state.stage, mesh.positions_mm, mesh.normals);
+    for (Vec3& p : rest_mm) {
+      p = apply(state.world_from_organ, p);
+    }
+    for (Vec3& p : mesh.positions_mm) {
+      p = apply(state.world_from_organ, p);
+    }
+    followers_[template_index(state)]->follow(rest_mm, bent_mm(state), mesh.positions_mm);
+    smooth_normals(mesh.positions_mm, fine.triangles(), fine.twins(), mesh.normals);
+    return result;
+  }
+
+ private:
+  std::uint32_t template_index(const OrganState& state) const {
+    return coarse_.organs()[state.id.value - 1].template_index;
+  }
+
+  const Development& coarse_;
+  const Development& finer_;
+  std::vector<std::optional<SurfaceFollower>> followers_;  ///< by template, where it is needed
+};
 
 }  // namespace
 
@@ -49,25 +124,46 @@ Scene make_scene(const Development& development, const Canopy& canopy, const Sce
 
   std::map<std::pair<std::uint32_t, int>, std::uint32_t> meshes;  // by template and quantised stage
   scene.instances.reserve(canopy.organs.size() + canopy.bodies.size());
-  for (const OrganState& state : canopy.organs) {
+  std::optional<Refinement> refinement;
+  if (options.finer != nullptr) {
+    refinement.emplace(development, *options.finer, canopy);
+  }
+  std::vector<SceneMesh> bent(canopy.organs.size());
+  parallel_for(bent.size(), [&](std::size_t i) {
+    const OrganState& state = canopy.organs[i];
+    if (!state.deformed_mm.empty()) {
+      const std::uint32_t index = development.organs()[state.id.value - 1].template_index;
+      bent[i] = refinement ? refinement->mesh(state) : deformed(development.templates()[index], state, species);
+    }
+  });
+  for (std::size_t i = 0; i < canopy.organs.size(); ++i) {
+    const OrganState& state = canopy.organs[i];
     if (!(state.world_from_organ.scale > 0.0)) {
       continue;  // not grown yet
     }
     const std::uint32_t index = development.organs()[state.id.value - 1].template_index;
-    const int stage = static_cast<int>(std::floor(std::clamp(state.stage, 0.0, 1.0) * kStages + 0.5));
-    const auto [place, added] = meshes.try_emplace({index, stage}, static_cast<std::uint32_t>(scene.meshes.size()));
-    if (added) {
-      scene.meshes.push_back(posed(development.templates()[index], stage / kStages, species));
-    }
     Instance instance;
-    instance.mesh = place->second;
-    instance.world_from_mesh = state.world_from_organ;
-    for (const PigmentSpan& span : scene.meshes[place->second].spans) {
+    if (state.deformed_mm.empty()) {
+      const int stage = static_cast<int>(std::floor(std::clamp(state.stage, 0.0, 1.0) * kStages + 0.5));
+      const auto [place, added] = meshes.try_emplace({index, stage}, static_cast<std::uint32_t>(scene.meshes.size()));
+      if (added) {
+        const Development& drawn = options.finer != nullptr ? *options.finer : development;
+        scene.meshes.push_back(posed(drawn.templates()[index], stage / kStages, species));
+      }
+      instance.mesh = place->second;
+      instance.world_from_mesh = state.world_from_organ;
+    } else {
+      instance.mesh = static_cast<std::uint32_t>(scene.meshes.size());
+      scene.meshes.push_back(std::move(bent[i]));
+    }
+    for (const PigmentSpan& span : scene.meshes[instance.mesh].spans) {
       instance.variations.push_back(vary(scene.pigments[span.pigment], seed, state.id.value));
     }
     scene.instances.push_back(std::move(instance));
   }
-  for (const Body& body : canopy.bodies) {
+  const std::vector<Body> finer_bodies =
+      options.finer != nullptr ? options.finer->at(canopy.time).bodies : std::vector<Body>{};
+  for (const Body& body : options.finer != nullptr ? finer_bodies : canopy.bodies) {
     if (body.mesh.triangles.empty()) {
       continue;
     }

@@ -118,6 +118,73 @@ TEST(MakeScene, HoldsEveryOrganOnceAndSharesTheirMeshes) {
   EXPECT_TRUE(unframed);
 }
 
+/// The canopy at `time` with each organ turned about +x by a degree and moved, in single precision: as if bent.
+Canopy moved(const Development& development, double time) {
+  const Placement motion{{0.5, 0.25, -1.0}, rotation_about({1.0, 0.0, 0.0}, math::radians(1.0)), 1.0};
+  Canopy canopy = development.at(time);
+  for (OrganState& state : canopy.organs) {
+    const OrganTemplate& shape = development.templates()[development.organs()[state.id.value - 1].template_index];
+    std::vector<Vec3> positions_mm(shape.vertex_count());
+    std::vector<Vec3> normals(shape.vertex_count());
+    shape.pose(state.stage, positions_mm, normals);
+    for (const Vec3 p : positions_mm) {
+      const Vec3 q = apply(motion, apply(state.world_from_organ, p));
+      state.deformed_mm.push_back({static_cast<float>(q.x), static_cast<float>(q.y), static_cast<float>(q.z)});
+    }
+  }
+  return canopy;
+}
+
+TEST(MakeScene, DrawsBentOrgansWhereTheirVerticesAre) {
+  const auto development = Development::grow(head_of_pegs(), {});
+  ASSERT_TRUE(development.has_value());
+  Canopy canopy = moved(*development, 1.0);
+  canopy.organs[7].deformed_mm.clear();  // one that nothing touches
+  const Scene scene = make_scene(*development, canopy);
+  EXPECT_FALSE(check(scene).has_value());
+  const Scene straight = make_scene(*development, development->at(1.0));
+  ASSERT_EQ(scene.instances.size(), straight.instances.size());
+  for (std::size_t i = 0; i < canopy.organs.size(); ++i) {
+    const Instance& instance = scene.instances[i];
+    const OrganState& state = canopy.organs[i];
+    // Colours do not change because an organ is bent.
+    ASSERT_EQ(instance.variations.size(), 1U);
+    EXPECT_EQ(instance.variations[0].pattern, straight.instances[i].variations[0].pattern);
+    EXPECT_EQ(instance.variations[0].value, straight.instances[i].variations[0].value);
+    if (state.deformed_mm.empty()) {
+      EXPECT_EQ(instance.world_from_mesh.position_mm, state.world_from_organ.position_mm);
+      continue;
+    }
+    const Mesh& mesh = scene.meshes[instance.mesh].mesh;
+    ASSERT_EQ(mesh.positions_mm.size(), state.deformed_mm.size());
+    for (std::size_t v = 0; v < mesh.positions_mm.size(); ++v) {
+      const std::array<float, 3>& p = state.deformed_mm[v];
+      ASSERT_EQ(apply(instance.world_from_mesh, mesh.positions_mm[v]), (Vec3{p[0], p[1], p[2]}));
+      ASSERT_NEAR(length(mesh.normals[v]), 1.0, 1e-9);
+    }
+  }
+}
+
+TEST(MakeScene, FinerOrgansFollowBentOnes) {
+  const auto development = Development::grow(head_of_pegs(), {.detail = 1.0});
+  const auto finer = Development::grow(head_of_pegs(), {.detail = 3.0});
+  ASSERT_TRUE(development.has_value() && finer.has_value());
+  const Canopy canopy = moved(*development, 1.0);
+  const Canopy wanted = moved(*finer, 1.0);
+  const Scene scene = make_scene(*development, canopy, {.finer = &*finer});
+  EXPECT_FALSE(check(scene).has_value());
+  ASSERT_EQ(scene.instances.size(), wanted.organs.size() + wanted.bodies.size());
+  for (std::size_t i = 0; i < wanted.organs.size(); ++i) {
+    const Mesh& mesh = scene.meshes[scene.instances[i].mesh].mesh;
+    ASSERT_EQ(mesh.positions_mm.size(), wanted.organs[i].deformed_mm.size());
+    for (std::size_t v = 0; v < mesh.positions_mm.size(); ++v) {
+      const std::array<float, 3>& p = wanted.organs[i].deformed_mm[v];
+      ASSERT_LT(length(mesh.positions_mm[v] - Vec3{p[0], p[1], p[2]}), 1e-4);
+    }
+  }
+  EXPECT_EQ(scene.meshes.back().mesh.positions_mm, wanted.bodies.back().mesh.positions_mm);
+}
+
 TEST(MakeOrganScene, ShowsOneOrganUprightAtItsStage) {
   const Species species = head_of_pegs();
   for (const auto& [stage, height_mm] : {std::pair(0.0, 2.0), std::pair(0.5, 3.0), std::pair(1.0, 4.0)}) {

@@ -12,6 +12,7 @@ enum class ErrorCode {
   kParse,             ///< text that is not what its format allows
   kIo,                ///< reading or writing failed
   kTooLarge,          ///< input or result beyond a stated limit
+  kCrossing,          ///< surfaces cross that must not
   kCancelled,         ///< the progress callback asked to stop
 };
 
@@ -35,7 +36,8 @@ Error invalid_parameter(std::string_view where, std::string_view rule, std::stri
 /// "<where> <message>", or "<message>" alone.
 std::string to_string(const Error& error);
 
-/// The process exit status for an error: 65 for bad data, 74 for input/output, 2 for usage, 130 for a cancelled run.
+/// The process exit status for an error: 65 for bad data, 74 for input/output, 2 for usage, 1 for crossings,
+/// 130 for a cancelled run.
 int exit_code(ErrorCode code);
 
 /// Shortest text that reads back as the same double, with a point whatever the locale.

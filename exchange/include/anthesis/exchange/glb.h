@@ -1,5 +1,6 @@
 #pragma once
 #include <optional>
+#include <span>
 #include <string>
 
 #include "anthesis/base/error.h"
@@ -36,6 +37,22 @@ std::optional<Error> check(const GlbOptions& options);
 /// Errors: check(options), kTooLarge above 16 million organs x frames or 2 GiB, kCancelled.
 /// Equal developments and options give equal bytes, for any number of threads.
 Expected<std::string> to_glb(const Development& development, const GlbOptions& options = {},
+                             const Progress& progress = {});
+
+/// The same for canopies of the development that were computed beforehand, such as those of a plant whose organs were
+/// bent by touching: one key frame each, times ascending; one canopy makes a still plant. Of `options`, `duration_s`
+/// and `diffuse_transmission` count; key frames lie in the animation in proportion to their times.
+///
+/// Each organ is a mesh of its own whose base is its shape at the last frame, with one morph target for each other
+/// shape among its frames; organs of one template share indices, texture coordinates and material. At a key frame one
+/// weight is 1 or all are 0, and nodes below the root do not transform what is born: there every coordinate is
+/// base + target in single precision, and that sum is the given number itself, to the last bit. Between keys vertices
+/// move in straight lines. Before its first frame an organ is a point at its place of birth.
+///
+/// Errors: also kInvalidParameter for no frames or canopies that are not of this development, kTooLarge for more than
+/// 2000 frames, for 2 GiB, and for coordinates whose differences single precision does not hold; multiples of 2^-14 mm
+/// below 1024 mm always fit but for differences beyond that.
+Expected<std::string> to_glb(const Development& development, std::span<const Canopy> frames, const GlbOptions& options,
                              const Progress& progress = {});
 
 }  // namespace anthesis

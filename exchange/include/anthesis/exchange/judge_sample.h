@@ -18,4 +18,9 @@ namespace anthesis {
 Expected<std::string> expected_positions_json(const Development& development, const GlbOptions& options,
                                               std::span<const int> frames);
 
+/// The same for a GLB of given canopies, straight from their numbers: `tolerance_m` is then only what a reader's own
+/// single-precision transforms may cost. `sampled` are indices into `frames`.
+Expected<std::string> expected_positions_json(const Development& development, std::span<const Canopy> frames,
+                                              const GlbOptions& options, std::span<const int> sampled);
+
 }  // namespace anthesis

@@ -22,4 +22,10 @@ struct ObjText {
 Expected<ObjText> to_obj(const Development& development, double time, std::string_view mtl_name,
                          const Progress& progress = {});
 
+/// The same for a canopy of the development that was computed beforehand. Vertices of organs bent by touching are
+/// stated by the shortest text that reads back as the same single-precision number, and so are all others; a comment
+/// then says "collisions: resolved". Errors: also kInvalidParameter for a canopy that is not one of this development.
+Expected<ObjText> to_obj(const Development& development, const Canopy& canopy, std::string_view mtl_name,
+                         const Progress& progress = {});
+
 }  // namespace anthesis

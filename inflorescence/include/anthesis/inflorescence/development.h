@@ -1,4 +1,5 @@
 #pragma once
+#include <array>
 #include <cstdint>
 #include <memory>
 #include <span>
@@ -39,6 +40,10 @@ struct OrganState {
   double s = 0.0;              ///< position on the receptacle, 0 apex to 1 base
   double radius_mm = 0.0;      ///< distance from the head's axis
   double area_mm2 = 0.0;       ///< of the receptacle
+
+  /// Where touching bent the organ: all its vertices in the world, exact in single precision. Empty: the template's
+  /// pose at `stage`, placed by `world_from_organ`.
+  std::vector<std::array<float, 3>> deformed_mm;
 };
 
 /// Surfaces of the plant that are not instances: their triangles and uvs are equal at all times.

@@ -58,6 +58,16 @@ struct OrganVariation {
   Range stage = {0.0, 0.0};      ///< added to the stage, kept in [0, 1]
 };
 
+/// How organs of a kind give way when they touch. Stiffnesses are the share of an error that one projection removes,
+/// (0, 1]: 1 gives way to nothing but contact.
+struct Tissue {
+  double thickness_mm = 0.04;  ///< of a grown organ; two organs keep the mean of theirs between them. [0.01, 10]
+  double stretch = 1.0;        ///< stiffness against change of lengths
+  double bend = 0.5;           ///< stiffness against bending of the midrib: folds that run across
+  double roll = 0.2;           ///< stiffness against rolling up or flattening: folds that run along
+  double hold = 0.5;           ///< stiffness of the attachment at the base
+};
+
 /// A kind of organ: its form, how it grows and opens, how it stands on the receptacle.
 struct OrganKind {
   std::string name;
@@ -70,6 +80,7 @@ struct OrganKind {
   double layering_deg = 0.0;  ///< extra pitch of the first organ of the kind over the last: neighbours lie in layers
   double sink_mm = 0.0;       ///< how deep the base is set into the receptacle
   OrganVariation variation;
+  Tissue tissue;
 };
 
 /// The stem under the head.

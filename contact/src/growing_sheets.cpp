@@ -1,0 +1,499 @@
+#include "anthesis/contact/growing_sheets.h"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include "anthesis/base/assert.h"
+#include "anthesis/base/parallel.h"
+#include "anthesis/contact/continuous.h"
+#include "anthesis/contact/detector.h"
+#include "anthesis/contact/elastic_batch.h"
+#include "step_filter.h"
+
+namespace anthesis {
+namespace {
+
+constexpr int kMaxPieces = 400;          // of one step: beyond that, longer moves
+constexpr double kLongestRide_mm = 0.1;  // that what a body stands on may move in one pass
+constexpr double kOverRelaxation = 1.3;  // of contacts: their corrections are averaged, which is slow
+constexpr double kWithinShare = 0.1;     // of its mean edge that parts of an organ keep between them at most
+constexpr double kSlackShare = 0.2;      // of the thickness that relaxation may move a vertex beyond its growth
+constexpr double kStillShare = 0.02;     // of its mean edge that an organ at rest moves at most
+constexpr double kRoomToMove = 1.25;     // relaxation may add to growth
+constexpr double kSmallestScale = 1.0 / 1024.0;
+
+double mean_edge_mm(const Sheet& sheet, std::span<const Vec3> places) {
+  double sum = 0.0;
+  for (const auto& [a, b] : sheet.edges) {
+    sum += length(places[b] - places[a]);
+  }
+  return sheet.edges.empty() ? 0.0 : sum / static_cast<double>(sheet.edges.size());
+}
+
+struct Box {
+  Vec3 low{1e300, 1e300, 1e300};
+  Vec3 high{-1e300, -1e300, -1e300};
+};
+
+Box box_of(std::span<const Vec3> places) {
+  Box box;
+  for (const Vec3 p : places) {
+    box.low = {std::min(box.low.x, p.x), std::min(box.low.y, p.y), std::min(box.low.z, p.z)};
+    box.high = {std::max(box.high.x, p.x), std::max(box.high.y, p.y), std::max(box.high.z, p.z)};
+  }
+  return box;
+}
+
+bool overlap(const Box& a, const Box& b) {
+  return a.low.x <= b.high.x && b.low.x <= a.high.x && a.low.y <= b.high.y && b.low.y <= a.high.y &&
+         a.low.z <= b.high.z && b.low.z <= a.high.z;
+}
+
+}  // namespace
+
+struct GrowingSheets::State {
+  std::vector<Sheet> sheets;
+  GrowingOptions options;
+  Detector detector;                  ///< of contacts between bodies
+  Detector within_detector;           ///< of contacts within bodies, which need not look as far
+  std::vector<ElasticBatch> batches;  ///< by sheet
+
+  std::vector<GrowingBody> bodies;
+  std::vector<std::uint32_t> first;  ///< vertex of each body, and the end of the last
+  std::vector<std::uint8_t> awake;
+  std::vector<double> edge;  ///< mean edge of each body's target
+  std::vector<Vec3> positions;
+  std::vector<Vec3> targets;
+
+  // Work space of a pass, kept to save allocations.
+  std::vector<Vec3> proposal;
+  std::vector<ContactBody> scene;
+  std::vector<ContactBody> within_scene;
+  std::vector<MovingBody> moving;
+  std::vector<double> wanted;        ///< by vertex: how far it would have gone in the last pass
+  std::vector<double> reach;         ///< by vertex: how far it looks for others
+  std::vector<double> within_reach;  ///< and for parts of its own body
+  std::vector<Contact> within_contacts;
+  std::vector<double> within_spacing;  ///< by body: what its own parts want to keep between them
+  std::vector<Contact> contacts;
+  std::vector<double> spacing;  ///< that each contact wants to keep
+  std::vector<Vec3> push;
+  std::vector<std::uint32_t> pushes;
+  std::vector<double> moved;  ///< by body: longest move of the pass
+  StepFilter filter;
+
+  State(std::vector<Sheet> all, const GrowingOptions& chosen)
+      : sheets(std::move(all)), options(chosen), detector(sheets), within_detector(sheets), first{0} {
+    for (const Sheet& sheet : sheets) {
+      batches.emplace_back(sheet);
+    }
+  }
+
+  std::size_t vertex_count(std::size_t body) const { return first[body + 1] - first[body]; }
+  /// What counts as no move: the residual, less for organs that are still tiny.
+  double still(std::size_t body) const { return std::min(options.residual_mm, kStillShare * edge[body]); }
+  template <class V>
+  auto of(std::size_t body, V& places) const {
+    return std::span(places).subspan(first[body], vertex_count(body));
+  }
+  std::vector<std::uint32_t> crossed_by(std::size_t body, bool& itself) const;
+  void pass(const std::vector<std::uint8_t>& moves, std::span<const Vec3> next_targets, std::span<const Vec3> rides,
+            GrowthStep& step);
+  void find_contacts();
+  void relax();
+  void push_apart();
+};
+
+GrowingSheets::GrowingSheets(std::vector<Sheet> sheets, const GrowingOptions& options)
+    : state_(std::make_unique<State>(std::move(sheets), options)) {}
+GrowingSheets::GrowingSheets(GrowingSheets&&) noexcept = default;
+GrowingSheets& GrowingSheets::operator=(GrowingSheets&&) noexcept = default;
+GrowingSheets::~GrowingSheets() = default;
+
+void GrowingSheets::set_thickness(std::size_t index, double thickness_mm) {
+  state_->bodies[index].thickness_mm = std::max(thickness_mm, 2.0 * kLeastGap_mm);
+}
+
+std::size_t GrowingSheets::body_count() const {
+  return state_->bodies.size();
+}
+const GrowingBody& GrowingSheets::body(std::size_t index) const {
+  return state_->bodies[index];
+}
+std::uint32_t GrowingSheets::first_vertex(std::size_t index) const {
+  return state_->first[index];
+}
+std::span<const Sheet> GrowingSheets::sheets() const {
+  return state_->sheets;
+}
+std::span<const Vec3> GrowingSheets::positions_mm() const {
+  return state_->positions;
+}
+std::span<const Vec3> GrowingSheets::targets_mm() const {
+  return state_->targets;
+}
+
+/// The bodies that cross the last one, among those whose boxes meet its box.
+std::vector<std::uint32_t> GrowingSheets::State::crossed_by(std::size_t body, bool& itself) const {
+  const Box own = box_of(of(body, positions));
+  std::vector<Vec3> places;
+  std::vector<Triangle> triangles;
+  std::vector<std::uint32_t> owner;
+  for (std::size_t other = 0; other <= body; ++other) {
+    if (other != body && !overlap(own, box_of(of(other, positions)))) {
+      continue;
+    }
+    for (const Triangle& t : sheets[bodies[other].sheet].triangles) {
+      const std::array<Vec3, 3> corners{positions[first[other] + t[0]], positions[first[other] + t[1]],
+                                        positions[first[other] + t[2]]};
+      if (other != body && !overlap(own, box_of(corners))) {
+        continue;
+      }
+      const auto next = static_cast<std::uint32_t>(places.size());
+      places.insert(places.end(), corners.begin(), corners.end());
+      triangles.push_back({next, next + 1, next + 2});
+      owner.push_back(static_cast<std::uint32_t>(other));
+    }
+  }
+  std::vector<std::uint32_t> found;
+  itself = false;
+  const auto report = find_crossings(places, triangles, triangles.size());
+  for (const Crossing& crossing : report->crossings) {
+    const std::uint32_t a = owner[crossing.first];
+    const std::uint32_t b = owner[crossing.second];
+    if (a == body && b == body) {
+      itself = true;
+    } else if (a == body || b == body) {
+      found.push_back(a == body ? b : a);
+    }
+  }
+  std::sort(found.begin(), found.end());
+  found.erase(std::unique(found.begin(), found.end()), found.end());
+  return found;
+}
+
+GrowingSheets::Entry GrowingSheets::enter(const GrowingBody& body, std::span<const Vec3> positions_mm,
+                                          Vec3 attachment_mm) {
+  State& state = *state_;
+  ANTHESIS_ASSERT(body.sheet < state.sheets.size());
+  ANTHESIS_ASSERT(positions_mm.size() == state.sheets[body.sheet].vertex_count);
+  const std::size_t index = state.bodies.size();
+  state.bodies.push_back(body);
+  state.positions.insert(state.positions.end(), positions_mm.begin(), positions_mm.end());
+  state.first.push_back(static_cast<std::uint32_t>(state.positions.size()));
+  Entry entry;
+  for (double scale = 1.0; scale >= kSmallestScale; scale *= 0.5) {
+    for (std::size_t i = 0; i < positions_mm.size(); ++i) {
+      state.positions[state.first[index] + i] =
+          scale == 1.0 ? positions_mm[i] : attachment_mm + scale * (positions_mm[i] - attachment_mm);
+    }
+    entry.in_place = state.crossed_by(index, entry.crosses_itself);
+    if (entry.crosses_itself) {
+      break;
+    }
+
+    if (entry.in_place.empty()) {
+      entry.scale = scale;
+      state.awake.push_back(1);
+      state.targets.insert(state.targets.end(), state.positions.begin() + state.first[index], state.positions.end());
+      return entry;
+    }
+  }
+  state.bodies.pop_back();
+  state.first.pop_back();
+  state.positions.resize(state.first.back());
+  return entry;
+}
+
+Expected<GrowthStep> GrowingSheets::advance(std::span<const Vec3> targets_mm, const Progress& progress) {
+  State& state = *state_;
+  ANTHESIS_ASSERT(targets_mm.size() == state.positions.size());
+  const std::size_t count = state.bodies.size();
+  // What carries the bodies, the growth of what they stand on, moves all of them together, in as many pieces as the
+  // longest carriage wants. What they do beyond that takes as many pieces as each wants, a multiple of those; slow
+  // bodies rest in between.
+  std::vector<Vec3> carriage(count);
+  std::vector<double> own(count, 0.0);
+  state.edge.resize(count);
+  parallel_for(count, [&](std::size_t b) {
+    const Sheet& sheet = state.sheets[state.bodies[b].sheet];
+    state.edge[b] = mean_edge_mm(sheet, targets_mm.subspan(state.first[b]));
+    for (const std::uint32_t i : sheet.attached) {
+      carriage[b] += targets_mm[state.first[b] + i] - state.targets[state.first[b] + i];
+    }
+    carriage[b] = carriage[b] / std::max(1.0, static_cast<double>(sheet.attached.size()));
+    for (std::size_t i = state.first[b]; i < state.first[b + 1]; ++i) {
+      own[b] = std::max(own[b], length(targets_mm[i] - state.targets[i] - carriage[b]));
+    }
+  });
+  double longest_carriage = 0.0;
+  for (std::size_t b = 0; b < count; ++b) {
+    longest_carriage = std::max(longest_carriage, length(carriage[b]));
+  }
+  const auto pieces_of = [](double way, double most) {
+    return static_cast<int>(std::clamp(std::ceil(way / most), 1.0, static_cast<double>(kMaxPieces)));
+  };
+  const int rides = pieces_of(longest_carriage, kLongestRide_mm);
+  std::vector<int> pieces(count, rides);
+  int rounds = 0;
+  for (std::size_t b = 0; b < count; ++b) {
+    const GrowingBody& body = state.bodies[b];
+    if (!body.fixed) {
+      const double most = std::max(state.options.piece * state.edge[b], 0.5 * body.thickness_mm);
+      pieces[b] = rides * ((pieces_of(own[b], most) + rides - 1) / rides);
+    }
+    rounds = std::max(rounds, own[b] > 0.0 || longest_carriage > 0.0 ? pieces[b] : 0);
+  }
+  rounds = (rounds + rides - 1) / rides * rides;
+  const std::vector<Vec3> begin = state.targets;
+  std::vector<Vec3> next = state.targets;
+  std::vector<std::uint8_t> moves(count, 0);
+  std::vector<Vec3> now(count);  // this round's part of the carriage
+  GrowthStep step;
+  for (int round = 0; round < rounds; ++round) {
+    if (!report(progress, "collisions", static_cast<double>(round) / (rounds + state.options.settling_passes))) {
+      return unexpected(Error{ErrorCode::kCancelled, "", "cancelled"});
+    }
+    // Shares of the way after this round; 0 to 1, whole at the end.
+    const auto share_after = [&](int r, int of) { return static_cast<double>(std::int64_t{r} * of / rounds) / of; };
+    const double ride = share_after(round + 1, rides);
+    const bool rides_now = ride != share_after(round, rides);
+    for (std::size_t b = 0; b < count; ++b) {
+      const double share = share_after(round + 1, pieces[b]);
+      const bool moves_now = share != share_after(round, pieces[b]);
+      moves[b] = (moves_now && own[b] > 0.0) || (rides_now && carriage[b] != Vec3{});
+      if (moves[b]) {
+        for (std::size_t i = state.first[b]; i < state.first[b + 1]; ++i) {
+          next[i] = round + 1 == rounds
+                        ? targets_mm[i]
+                        : begin[i] + share * (targets_mm[i] - begin[i] - carriage[b]) + ride * carriage[b];
+        }
+      }
+    }
+    for (std::size_t b = 0; b < count; ++b) {
+      // Bodies that give way ride along; what pushes them moves vertex by vertex.
+      now[b] = state.bodies[b].fixed || !rides_now ? Vec3{} : (ride - share_after(round, rides)) * carriage[b];
+    }
+    state.pass(moves, next, now, step);
+  }
+  std::fill(now.begin(), now.end(), Vec3{});
+  std::fill(moves.begin(), moves.end(), std::uint8_t{0});
+  for (int k = 0; k < state.options.settling_passes && std::count(state.awake.begin(), state.awake.end(), 1) > 0; ++k) {
+    if (!report(progress, "collisions", static_cast<double>(rounds + k) / (rounds + state.options.settling_passes))) {
+      return unexpected(Error{ErrorCode::kCancelled, "", "cancelled"});
+    }
+    state.pass(moves, next, now, step);
+  }
+  return step;
+}
+
+/// One pass: bodies in `moves` are carried along with their targets; those awake relax under contact; what comes of it
+/// is cut short so that nothing crosses.
+void GrowingSheets::State::pass(const std::vector<std::uint8_t>& moves, std::span<const Vec3> next_targets,
+                                std::span<const Vec3> rides, GrowthStep& step) {
+  const std::size_t count = bodies.size();
+  proposal = positions;
+  scene.resize(count);
+  within_scene.resize(count);
+  moving.resize(count);
+  within_spacing.resize(count);
+  wanted.resize(positions.size(), 0.0);
+  reach.resize(positions.size());
+  within_reach.resize(positions.size());
+  parallel_for(count, [&](std::size_t b) {
+    if (moves[b]) {
+      awake[b] = 1;
+      for (std::size_t i = first[b]; i < first[b + 1]; ++i) {
+        proposal[i] += next_targets[i] - targets[i];
+        targets[i] = next_targets[i];
+      }
+    }
+    const double slack = kSlackShare * bodies[b].thickness_mm;
+    // Parts of one organ lie nearer to each other than organs do; only small ones must not stick to themselves.
+    within_spacing[b] = std::min(bodies[b].thickness_mm, kWithinShare * edge[b]);
+    const double least_reach = 0.5 * bodies[b].thickness_mm + slack;
+    const double least_within = bodies[b].fixed ? least_reach : 0.5 * within_spacing[b] + slack;
+    scene[b] = {bodies[b].sheet, first[b], least_reach, {}, awake[b] != 0, false, true};
+    within_scene[b] = {bodies[b].sheet, first[b], least_within, {}, awake[b] != 0, !bodies[b].fixed, false};
+    moving[b] = {first[b], first[b + 1], {}, awake[b] != 0};
+    std::fill(reach.begin() + first[b], reach.begin() + first[b + 1], least_reach);
+    std::fill(within_reach.begin() + first[b], within_reach.begin() + first[b + 1], least_within);
+    if (!awake[b]) {
+      return;
+    }
+    const Vec3 ride = moves[b] ? rides[b] : Vec3{};
+    moving[b].ride_mm = ride;
+    for (std::size_t i = first[b]; i < first[b + 1]; ++i) {
+      if (bodies[b].fixed) {
+        // What it could not do before it makes up for, little by little.
+        const Vec3 behind = targets[i] - proposal[i];
+        const double size = length(behind);
+        proposal[i] += size > kLongestRide_mm ? std::max(0.5, kLongestRide_mm / size) * behind : behind;
+      }
+      const double own = kRoomToMove * std::max(wanted[i], length(proposal[i] - positions[i] - ride));
+      within_reach[i] += own;
+      reach[i] += own + length(ride);
+    }
+    scene[b].vertex_reach_mm = of(b, reach);
+    within_scene[b].vertex_reach_mm = of(b, within_reach);
+  });
+  find_contacts();
+  relax();
+  // Where relaxation led to in this pass it will lead to in the next one: look as far then, within limits.
+  parallel_for(count, [&](std::size_t b) {
+    const double most = options.piece * edge[b];
+    for (std::size_t i = first[b]; i < first[b + 1]; ++i) {
+      wanted[i] =
+          awake[b] && !bodies[b].fixed ? std::min(most, length(proposal[i] - positions[i] - moving[b].ride_mm)) : 0.0;
+    }
+  });
+  step.shortened += filter.apply(contacts, moving, reach, within_reach, positions, proposal);
+
+  moved.assign(count, 0.0);
+  parallel_for(count, [&](std::size_t b) {
+    if (!awake[b]) {
+      return;
+    }
+    for (std::size_t i = first[b]; i < first[b + 1]; ++i) {
+      moved[b] = std::max(moved[b], length(proposal[i] - positions[i]));
+      positions[i] = proposal[i];
+    }
+  });
+  step.residual_mm = 0.0;
+  for (std::size_t b = 0; b < count; ++b) {
+    awake[b] = moved[b] > still(b);
+    step.residual_mm = std::max(step.residual_mm, moved[b]);
+  }
+  // What moves wakes what it presses.
+  for (std::size_t c = 0; c < contacts.size(); ++c) {
+    const Contact& contact = contacts[c];
+    if (contact.gap_mm < 0.9 * spacing[c]) {
+      const bool stirred = moved[contact.first_body] > still(contact.first_body) ||
+                           moved[contact.second_body] > still(contact.second_body);
+      if (stirred) {
+        awake[contact.first_body] |= static_cast<std::uint8_t>(!bodies[contact.first_body].fixed);
+        awake[contact.second_body] |= static_cast<std::uint8_t>(!bodies[contact.second_body].fixed);
+      }
+    }
+  }
+  step.contacts += contacts.size();
+  ++step.passes;
+}
+
+void GrowingSheets::State::find_contacts() {
+  detector.find_near(positions, scene, contacts);
+  within_detector.find_near(positions, within_scene, within_contacts);
+  contacts.insert(contacts.end(), within_contacts.begin(), within_contacts.end());
+  spacing.resize(contacts.size());
+  constexpr std::size_t kChunk = 1024;
+  parallel_for((contacts.size() + kChunk - 1) / kChunk, [&](std::size_t chunk) {
+    for (std::size_t c = chunk * kChunk; c < std::min(contacts.size(), (chunk + 1) * kChunk); ++c) {
+      const Contact& contact = contacts[c];
+      if (contact.first_body != contact.second_body) {
+        spacing[c] = 0.5 * (bodies[contact.first_body].thickness_mm + bodies[contact.second_body].thickness_mm);
+        continue;
+      }
+      spacing[c] = within_spacing[contact.first_body];
+      if (contact.gap_mm < 1.5 * spacing[c]) {
+        // Parts of one organ may be meant to lie nearer than its thickness: a pointed tip, a narrow tube.
+        std::array<Vec3, 4> rest;
+        for (int k = 0; k < 4; ++k) {
+          rest[k] = targets[contact.vertices[k]];
+        }
+        const Nearest nearest = contact.edges ? nearest_edge_edge(rest) : nearest_vertex_triangle(rest);
+        spacing[c] = std::min(spacing[c], 0.9 * nearest.distance);
+      }
+    }
+  });
+}
+
+void GrowingSheets::State::relax() {
+  for (std::size_t s = 0; s < sheets.size(); ++s) {
+    std::vector<std::uint32_t> chosen;
+    for (std::size_t b = 0; b < bodies.size(); ++b) {
+      if (bodies[b].sheet == s && awake[b] && !bodies[b].fixed) {
+        chosen.push_back(first[b]);
+      }
+    }
+    batches[s].set_rest(targets, chosen);
+  }
+  for (int sweep = 0; sweep < options.sweeps; ++sweep) {
+    for (ElasticBatch& batch : batches) {
+      batch.load(proposal);
+      batch.settle(1);
+      batch.store(proposal);
+    }
+    push_apart();
+  }
+}
+
+/// Each contact that is too near moves its four vertices apart along its normal; where a vertex has several, it moves
+/// by their mean. Means do not depend on the order: what is symmetric stays so.
+void GrowingSheets::State::push_apart() {
+  push.assign(positions.size(), Vec3{});
+  pushes.assign(positions.size(), 0);
+  const auto mobile = [&](std::uint32_t body) { return awake[body] && !bodies[body].fixed; };
+  for (std::size_t c = 0; c < contacts.size(); ++c) {
+    const Contact& contact = contacts[c];
+    Vec3 apart{};
+    double weight = 0.0;
+    const int firsts = contact.edges ? 2 : 1;
+    const bool one = mobile(contact.first_body);
+    const bool other = mobile(contact.second_body);
+    for (int k = 0; k < 4; ++k) {
+      apart += contact.weights[k] * proposal[contact.vertices[k]];
+      if (k < firsts ? one : other) {
+        weight += contact.weights[k] * contact.weights[k];
+      }
+    }
+    const double missing = spacing[c] - dot(contact.normal, apart);
+    if (missing <= 0.0 || weight <= 0.0) {
+      continue;
+    }
+    for (int k = 0; k < 4; ++k) {
+      if ((k < firsts ? one : other) && contact.weights[k] != 0.0) {
+        push[contact.vertices[k]] += (missing / weight * contact.weights[k]) * contact.normal;
+        ++pushes[contact.vertices[k]];
+      }
+    }
+  }
+  for (std::size_t i = 0; i < positions.size(); ++i) {
+    if (pushes[i] > 0) {
+      proposal[i] += (kOverRelaxation / pushes[i]) * push[i];
+    }
+  }
+}
+
+Expected<CrossingReport> GrowingSheets::audit(const Progress& progress) const {
+  const State& state = *state_;
+  std::vector<Triangle> triangles;
+  for (std::size_t b = 0; b < state.bodies.size(); ++b) {
+    for (const Triangle& t : state.sheets[state.bodies[b].sheet].triangles) {
+      triangles.push_back({state.first[b] + t[0], state.first[b] + t[1], state.first[b] + t[2]});
+    }
+  }
+  return find_crossings(state.positions, triangles, 1000, progress);
+}
+
+GrowingSheets::Snapshot GrowingSheets::snapshot() const {
+  return {state_->bodies, state_->positions, state_->targets, state_->awake, state_->wanted};
+}
+
+void GrowingSheets::restore(Snapshot snapshot) {
+  State& state = *state_;
+  state.bodies = std::move(snapshot.bodies);
+  state.positions = std::move(snapshot.positions_mm);
+  state.targets = std::move(snapshot.targets_mm);
+  state.awake = std::move(snapshot.awake);
+  state.wanted = std::move(snapshot.wanted_mm);
+  state.detector = Detector(state.sheets);  // they remember where sleeping bodies are
+  state.within_detector = Detector(state.sheets);
+  state.first = {0};
+  for (const GrowingBody& body : state.bodies) {
+    state.first.push_back(state.first.back() + static_cast<std::uint32_t>(state.sheets[body.sheet].vertex_count));
+  }
+  ANTHESIS_ASSERT(state.first.back() == state.positions.size());
+}
+
+}  // namespace anthesis

@@ -1,0 +1,53 @@
+#pragma once
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "anthesis/contact/detector.h"
+#include "anthesis/geometry/vec.h"
+
+namespace anthesis {
+
+/// A body's part in a move.
+struct MovingBody {
+  std::uint32_t first_vertex = 0;
+  std::uint32_t end_vertex = 0;
+  Vec3 ride_mm;       ///< what all its vertices have in common: the motion of what it stands on
+  bool awake = true;  ///< or it does not move at all
+};
+
+/// Cuts moves short so that nothing crosses: docs/contact.md has the proof.
+///
+/// A vertex moves by its body's ride and by its own move beyond that. Either is cut, each by its own share: the parts
+/// of one organ ride together, so a ride is no danger among them.
+class StepFilter {
+ public:
+  /// `contacts`: at `from_mm`, which is crossing-free, all pairs of different bodies that see each other when each
+  /// vertex looks as far around as `reach_mm` says, and all pairs within bodies by `within_reach_mm`. `bodies` in the
+  /// order of the contacts' indices. Shortens the moves from `from_mm` to `to_mm`; returns the number of vertices whose
+  /// move was cut.
+  std::uint64_t apply(std::span<const Contact> contacts, std::span<const MovingBody> bodies,
+                      std::span<const double> reach_mm, std::span<const double> within_reach_mm,
+                      std::span<const Vec3> from_mm, std::span<Vec3> to_mm);
+
+ private:
+  /// Shares of what may be done, and which of them changed in the last round and in this one.
+  struct Shares {
+    std::vector<double> share;
+    std::vector<std::uint8_t> changed;
+    std::vector<std::uint8_t> changes;
+    void reset(std::size_t count);
+    bool cut(std::uint32_t index, double to);
+  };
+
+  void split(std::span<const MovingBody> bodies, std::span<const double> reach_mm,
+             std::span<const double> within_reach_mm, std::span<const Vec3> from_mm, std::span<const Vec3> to_mm);
+  bool check(const Contact& contact, bool& held, std::span<const MovingBody> bodies, std::span<const Vec3> from_mm);
+
+  std::vector<Vec3> own_;           ///< by vertex: its move beyond the ride
+  Shares own_shares_;               ///< by vertex
+  Shares ride_shares_;              ///< by body
+  std::vector<std::uint8_t> held_;  ///< contacts whose plane stands still
+};
+
+}  // namespace anthesis
