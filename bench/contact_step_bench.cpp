@@ -1,1 +1,273 @@
-int main(){}
+// One pass of growing sheets in contact and the certificate after it, on the peers' scene: 154 petals of 648 triangles
+// in layers half an edge apart, in one step of growth.
+//
+// No program at hand does all of it. Ten iterations of a library for position-based dynamics and the broad phase,
+// narrow phase and audit of ipc-toolkit 1.6.0 add up to peer_ms, the figures of each on the same file on a like
+// processor: with additive advancement (Li et al. 2021), and with Tight-Inclusion (Wang et al. 2021) to
+// inclusion_peer_ms.
+#include <benchmark/benchmark.h>
+
+#include <array>
+#include <cstdlib>
+#include <fstream>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "anthesis/base/parallel.h"
+#include "anthesis/contact/detector.h"
+#include "anthesis/contact/elastic_batch.h"
+#include "anthesis/contact/growing_sheets.h"
+#include "step_filter.h"
+
+namespace anthesis {
+namespace {
+
+constexpr std::uint32_t kVerticesOfBody = 361;
+constexpr int kSweeps = 10;
+
+/// Of one thread and of two.
+constexpr double kPeer_ms[] = {837.0, 419.0};
+constexpr double kInclusionPeer_ms[] = {1742.0, 822.0};
+
+struct Scene {
+  Sheet sheet;
+  std::vector<Vec3> from_mm;
+  std::vector<Vec3> to_mm;
+  std::size_t bodies = 0;
+  double edge_mm = 0.0;  ///< mean
+};
+
+/// An empty scene if the file is not there.
+Scene read_scene() {
+  const char* given = std::getenv("ANTHESIS_REFERENCE");
+  std::ifstream in(
+      std::string(given != nullptr ? given : ANTHESIS_REFERENCE_DEFAULT) + "/contact-scenes/art_154x19_a05.bin",
+      std::ios::binary);
+  Scene scene;
+  std::array<std::int32_t, 2> counts = {};
+  if (!in.read(reinterpret_cast<char*>(counts.data()), sizeof counts)) {
+    return scene;
+  }
+  const auto vertex_count = static_cast<std::size_t>(counts[0]);
+  scene.bodies = vertex_count / kVerticesOfBody;
+  scene.from_mm.resize(vertex_count);
+  scene.to_mm.resize(vertex_count);
+  std::vector<Triangle> triangles(static_cast<std::size_t>(counts[1]));
+  in.read(reinterpret_cast<char*>(scene.from_mm.data()), static_cast<std::streamsize>(vertex_count * sizeof(Vec3)));
+  in.read(reinterpret_cast<char*>(scene.to_mm.data()), static_cast<std::streamsize>(vertex_count * sizeof(Vec3)));
+  in.read(reinterpret_cast<char*>(triangles.data()), static_cast<std::streamsize>(triangles.size() * sizeof(Triangle)));
+  triangles.resize(triangles.size() / scene.bodies);
+  scene.sheet = make_sheet(kVerticesOfBody, triangles);
+  for (const auto& [a, b] : scene.sheet.edges) {
+    scene.edge_mm += length(scene.from_mm[b] - scene.from_mm[a]) / static_cast<double>(scene.sheet.edges.size());
+  }
+  return scene;
+}
+
+const Scene& scene() {
+  static const Scene read = read_scene();
+  return read;
+}
+
+bool loaded(benchmark::State& state) {
+  if (scene().bodies == 0) {
+    state.SkipWithError("no contact scenes; set ANTHESIS_REFERENCE");
+    return false;
+  }
+  return true;
+}
+
+constexpr double kThicknessShare = 0.1;  // of an edge
+
+/// All petals as they are in the file, which crosses nothing. One pass takes the targets the whole way.
+GrowingSheets start() {
+  GrowingSheets sheets({scene().sheet}, {.sweeps = kSweeps, .piece = 1.0, .settling_passes = 0});
+  GrowingSheets::Snapshot snapshot;
+  snapshot.bodies.assign(scene().bodies, {0, kThicknessShare * scene().edge_mm});
+  snapshot.positions_mm = scene().from_mm;
+  snapshot.targets_mm = scene().from_mm;
+  snapshot.awake.assign(scene().bodies, 1);
+  snapshot.wanted_mm.assign(scene().from_mm.size(), 0.0);
+  sheets.restore(std::move(snapshot));
+  return sheets;
+}
+
+/// There and back again, one pass each.
+void grow(benchmark::State& state, bool with_audit) {
+  if (!loaded(state)) {
+    return;
+  }
+  const ThreadLimit limit(static_cast<int>(state.range(0)));
+  GrowingSheets sheets = start();
+  for (int warm_up = 0; warm_up < 2; ++warm_up) {
+    benchmark::DoNotOptimize(sheets.advance(warm_up == 0 ? scene().to_mm : scene().from_mm));
+  }
+  GrowthStep all;
+  std::uint64_t crossings = 0;
+  bool there = false;
+  for (auto _ : state) {
+    there = !there;
+    const GrowthStep step = *sheets.advance(there ? scene().to_mm : scene().from_mm);
+    all.passes += step.passes;
+    all.contacts += step.contacts;
+    all.shortened += step.shortened;
+    if (with_audit) {
+      crossings += sheets.audit()->count;
+    }
+  }
+  const auto mean = benchmark::Counter::kAvgIterations;
+  state.counters["passes"] = benchmark::Counter(all.passes, mean);
+  state.counters["contacts"] = benchmark::Counter(static_cast<double>(all.contacts), mean);
+  state.counters["shortened"] = benchmark::Counter(static_cast<double>(all.shortened), mean);
+  if (with_audit) {
+    state.counters["crossings"] = static_cast<double>(crossings);
+    state.counters["peer_ms"] = kPeer_ms[state.range(0) - 1];
+    state.counters["inclusion_peer_ms"] = kInclusionPeer_ms[state.range(0) - 1];
+  }
+}
+
+void BM_PassAndAudit(benchmark::State& state) {
+  grow(state, true);
+}
+BENCHMARK(BM_PassAndAudit)
+    ->ArgName("threads")
+    ->Arg(1)
+    ->Arg(2)
+    ->Unit(benchmark::kMillisecond)
+    ->MeasureProcessCPUTime()
+    ->UseRealTime();
+
+// Its parts -----------------------------------------------------------------------------------------------------------
+
+void BM_Pass(benchmark::State& state) {
+  grow(state, false);
+}
+BENCHMARK(BM_Pass)
+    ->ArgName("threads")
+    ->Arg(1)
+    ->Arg(2)
+    ->Unit(benchmark::kMillisecond)
+    ->MeasureProcessCPUTime()
+    ->UseRealTime();
+
+/// What the pass looks around for: as far as each vertex moves and a quarter more.
+struct Surroundings {
+  std::vector<double> reach_mm;
+  std::vector<ContactBody> among;
+  std::vector<ContactBody> within;
+  std::vector<MovingBody> moving;
+
+  Surroundings() {
+    const double thickness_mm = kThicknessShare * scene().edge_mm;
+    for (std::size_t i = 0; i < scene().from_mm.size(); ++i) {
+      reach_mm.push_back(0.7 * thickness_mm + 1.25 * length(scene().to_mm[i] - scene().from_mm[i]));
+    }
+    for (std::uint32_t b = 0; b < scene().bodies; ++b) {
+      const std::uint32_t first = b * kVerticesOfBody;
+      const auto reach = std::span(reach_mm).subspan(first, kVerticesOfBody);
+      among.push_back({0, first, 0.7 * thickness_mm, reach, true, false, true});
+      within.push_back({0, first, 0.7 * thickness_mm, reach, true, true, false});
+      moving.push_back({first, first + kVerticesOfBody, {}, true});
+    }
+  }
+};
+
+void BM_Detector(benchmark::State& state) {
+  if (!loaded(state)) {
+    return;
+  }
+  const ThreadLimit limit(static_cast<int>(state.range(0)));
+  const Surroundings around;
+  const std::vector<Sheet> sheets = {scene().sheet};
+  Detector detector(sheets);
+  std::vector<Contact> contacts;
+  for (auto _ : state) {
+    detector.find_near(scene().from_mm, state.range(1) != 0 ? around.within : around.among, contacts);
+  }
+  state.counters["contacts"] = static_cast<double>(contacts.size());
+}
+BENCHMARK(BM_Detector)
+    ->ArgNames({"threads", "within"})
+    ->ArgsProduct({{1, 2}, {0, 1}})
+    ->Unit(benchmark::kMillisecond)
+    ->MeasureProcessCPUTime()
+    ->UseRealTime();
+
+void BM_Filter(benchmark::State& state) {
+  if (!loaded(state)) {
+    return;
+  }
+  const ThreadLimit limit(static_cast<int>(state.range(0)));
+  const Surroundings around;
+  const std::vector<Sheet> sheets = {scene().sheet};
+  std::vector<Contact> contacts;
+  std::vector<Contact> more;
+  Detector(sheets).find_near(scene().from_mm, around.among, contacts);
+  Detector(sheets).find_near(scene().from_mm, around.within, more);
+  contacts.insert(contacts.end(), more.begin(), more.end());
+  StepFilter filter;
+  std::vector<Vec3> to;
+  for (auto _ : state) {
+    to = scene().to_mm;
+    benchmark::DoNotOptimize(
+        filter.apply(contacts, around.moving, around.reach_mm, around.reach_mm, scene().from_mm, to));
+  }
+  state.counters["contacts"] = static_cast<double>(contacts.size());
+}
+BENCHMARK(BM_Filter)
+    ->ArgName("threads")
+    ->Arg(1)
+    ->Arg(2)
+    ->Unit(benchmark::kMillisecond)
+    ->MeasureProcessCPUTime()
+    ->UseRealTime();
+
+void BM_Elastic(benchmark::State& state) {
+  if (!loaded(state)) {
+    return;
+  }
+  const ThreadLimit limit(static_cast<int>(state.range(0)));
+  std::vector<std::uint32_t> first;
+  for (std::uint32_t b = 0; b < scene().bodies; ++b) {
+    first.push_back(b * kVerticesOfBody);
+  }
+  ElasticBatch batch(scene().sheet);
+  std::vector<Vec3> positions = scene().from_mm;
+  for (auto _ : state) {
+    batch.set_rest(scene().to_mm, first);
+    for (int sweep = 0; sweep < kSweeps; ++sweep) {
+      batch.load(positions);
+      batch.settle(1);
+      batch.store(positions);
+    }
+  }
+}
+BENCHMARK(BM_Elastic)
+    ->ArgName("threads")
+    ->Arg(1)
+    ->Arg(2)
+    ->Unit(benchmark::kMillisecond)
+    ->MeasureProcessCPUTime()
+    ->UseRealTime();
+
+void BM_Audit(benchmark::State& state) {
+  if (!loaded(state)) {
+    return;
+  }
+  const ThreadLimit limit(static_cast<int>(state.range(0)));
+  const GrowingSheets sheets = start();
+  for (auto _ : state) {
+    benchmark::DoNotOptimize(sheets.audit());
+  }
+}
+BENCHMARK(BM_Audit)
+    ->ArgName("threads")
+    ->Arg(1)
+    ->Arg(2)
+    ->Unit(benchmark::kMillisecond)
+    ->MeasureProcessCPUTime()
+    ->UseRealTime();
+
+}  // namespace
+}  // namespace anthesis

@@ -3,18 +3,19 @@ import os
 import resource
 import subprocess
 
-from program import DONE, IO_FAILED, PROGRAM, ProgramTest, main
+from program import DONE, IO_FAILED, PROGRAM, ProgramTest, main, scene
 
 # A command for each way to write, with the format it writes.
 WRITERS = [
-    (["grow", "sunflower"], "glb"),
-    (["grow", "sunflower"], "obj"),
-    (["grow", "sunflower"], "ply"),
-    (["grow", "sunflower"], "csv"),
+    (["grow", "sunflower", "--no-collisions"], "glb"),
+    (["grow", "sunflower", "--no-collisions"], "obj"),
+    (["grow", "sunflower", "--no-collisions"], "ply"),
+    (["grow", scene("two_petals"), "--frames", "2"], "pc2"),
+    (["grow", "sunflower", "--no-collisions"], "csv"),
     (["pattern", "sunflower"], "svg"),
     (["pattern", "sunflower"], "ply"),
     (["pattern", "--vogel", "5000"], "csv"),
-    (["render", "sunflower", "--size", "100", "--samples", "1"], "png"),
+    (["render", "sunflower", "--no-collisions", "--size", "100", "--samples", "1"], "png"),
 ]
 
 
@@ -40,7 +41,7 @@ class Outputs(ProgramTest):
             resource.setrlimit(resource.RLIMIT_FSIZE, (limit, limit))
 
         for command, extension in WRITERS:
-            if extension == "obj":
+            if extension in ["obj", "pc2"]:
                 continue  # the material library fits, and is whole
             self.expect(IO_FAILED, *command, "-o", f"a.{extension}", preexec=small_disk,
                         message=f"a.{extension}: cannot write: File too large")
@@ -52,7 +53,7 @@ class Outputs(ProgramTest):
         def small_disk():
             resource.setrlimit(resource.RLIMIT_FSIZE, (4096, 4096))
 
-        self.expect(IO_FAILED, "grow", "sunflower", "-o", "a.glb", preexec=small_disk)
+        self.expect(IO_FAILED, "grow", "sunflower", "--no-collisions", "-o", "a.glb", preexec=small_disk)
         with open(self.path("a.glb"), "rb") as file:
             self.assertEqual(file.read(), b"precious")
 
@@ -92,7 +93,7 @@ class Outputs(ProgramTest):
         self.expect(IO_FAILED, "grow", "sunflower", "-o", "a.glb", "-o", "missing/a.csv")
 
     def test_devices_take_the_first_format(self):
-        result = subprocess.run([PROGRAM, "grow", "sunflower", "-o", "/dev/stdout"], capture_output=True, check=True)
+        result = subprocess.run([PROGRAM, "grow", scene("two_petals"), "-o", "/dev/stdout"], capture_output=True, check=True)
         self.assertEqual(result.stdout[:4], b"glTF")
 
     def test_standard_output_that_is_full(self):

@@ -10,8 +10,13 @@ PROGRAM = os.environ.get("ANTHESIS") or os.path.join(os.path.dirname(__file__), 
 PROGRAM = os.path.abspath(PROGRAM)
 SOURCE = os.path.abspath(os.path.join(os.path.dirname(__file__), ".."))
 
-DONE, USAGE, BAD_DATA, IO_FAILED, INTERRUPTED = 0, 2, 65, 74, 130
+DONE, CROSSINGS, USAGE, BAD_DATA, IO_FAILED, INTERRUPTED = 0, 1, 2, 65, 74, 130
 SKIPPED = 77  # tells ctest that a test could not be made here
+
+
+def scene(name):
+    """The file of a small plant."""
+    return os.path.join(SOURCE, "scenes", name + ".toml")
 
 
 class Result:

@@ -2,15 +2,17 @@
 import os
 import subprocess
 
-from program import DONE, PROGRAM, ProgramTest, main
+from program import DONE, PROGRAM, ProgramTest, main, scene
 
 # File name: the command that writes it.
 FILES = {
-    "a.glb": ["grow", "sunflower", "--frames", "5"],
-    "a.ply": ["grow", "sunflower", "--at", "0.7"],
+    "a.glb": ["grow", "sunflower", "--frames", "5", "--no-collisions"],
+    "bent.glb": ["grow", scene("bud"), "--frames", "5"],
+    "a.ply": ["grow", "sunflower", "--at", "0.7", "--no-collisions"],
+    "bent.ply": ["grow", scene("pinwheel"), "--at", "0.7"],
     "a.csv": ["grow", "sunflower", "--at", "0.7"],
     "a.svg": ["pattern", "sunflower"],
-    "a.png": ["render", "sunflower", "--size", "96", "--quality", "draft"],
+    "a.png": ["render", scene("bud"), "--size", "96", "--quality", "draft"],
 }
 NO_FMA = {"GLIBC_TUNABLES": "glibc.cpu.hwcaps=-AVX2_Usable,-FMA_Usable"}
 

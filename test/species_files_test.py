@@ -121,7 +121,7 @@ class SpeciesFiles(ProgramTest):
             """
         with open(self.path("mine.toml"), "w", encoding="utf-8") as file:
             file.write("".join(blocks) + rest)
-        self.expect(DONE, "grow", "mine.toml", "-o", "a.glb")
+        self.expect(DONE, "grow", "mine.toml", "-o", "a.glb", "--no-collisions")
         # Printed in canonical form it is the same plant.
         canonical = self.expect(DONE, "species", "mine.toml").out
         with open(self.path("canonical.toml"), "w", encoding="utf-8") as file:

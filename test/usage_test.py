@@ -8,9 +8,9 @@ import signal
 import subprocess
 import time
 
-from program import DONE, INTERRUPTED, PROGRAM, SOURCE, USAGE, ProgramTest, main
+from program import DONE, INTERRUPTED, PROGRAM, SOURCE, USAGE, ProgramTest, main, scene
 
-COMMANDS = ["grow", "pattern", "render", "species"]
+COMMANDS = ["grow", "pattern", "render", "species", "check"]
 
 
 class Help(ProgramTest):
@@ -58,7 +58,7 @@ class Mistakes(ProgramTest):
 
     def test_formats_are_named(self):
         self.expect(USAGE, "grow", "sunflower", "-o", "a.xyz",
-                    message="-o must end in .glb, .obj, .ply, .csv or .png, got a.xyz")
+                    message="-o must end in .glb, .obj, .ply, .pc2, .csv or .png, got a.xyz")
         self.expect(USAGE, "render", "sunflower", "-o", "a", message="-o must end in .png, got a")
         self.expect(USAGE, "grow", "sunflower", "-o", "a.glb", "-o", "a.glb", message="-o names a.glb twice")
 
@@ -86,6 +86,8 @@ class Mistakes(ProgramTest):
             ("grow", "--seed"): "[0, 18446744073709551615]",
             ("grow", "--threads"): "[0, 1024]",
             ("grow", "--frames"): "[1, 1000]",
+            ("grow", "--collision-steps"): "[1, 10000]",
+            ("render", "--collision-steps"): "[1, 10000]",
             ("render", "--frames"): "[1, 1000]",
             ("render", "--columns"): "[1, 100]",
             ("render", "--samples"): "[1, 4096]",
@@ -114,7 +116,13 @@ class Mistakes(ProgramTest):
         self.expect(USAGE, "grow", "sunflower", "-o", "a.glb", "--at", "1", "--frames", "3",
                     message="--at is for one time and --frames for an animation: give one of them")
         self.expect(USAGE, "grow", "sunflower", "-o", "a.ply", "--frames", "3",
-                    message="--frames needs a .glb output; `anthesis render` takes pictures of several times")
+                    message="--frames needs a .glb or .pc2 output; `anthesis render` takes pictures of several times")
+        self.expect(USAGE, "grow", "sunflower", "-o", "a.glb", "--resume",
+                    message="--resume goes on from a --checkpoint: give its folder")
+        for useless in [["grow", "sunflower", "-o", "a.glb", "--no-collisions"], ["grow", "sunflower", "-o", "a.csv"],
+                        ["render", "sunflower", "-o", "a.png", "--organ", "bract"]]:
+            self.expect(USAGE, *useless, "--checkpoint", "work",
+                        message="--checkpoint is for the work on collisions, and this command does none")
         self.expect(USAGE, "pattern", "sunflower", "--vogel", "82",
                     message="--vogel and --sweep make their own pattern: give them or a species, not both")
         self.expect(USAGE, "pattern", "--sweep", "cone-deg=20:89:1",
@@ -137,7 +145,8 @@ class Mistakes(ProgramTest):
 
 class Answers(ProgramTest):
     def test_json_says_what_was_made(self):
-        result = self.expect(DONE, "grow", "sunflower", "-o", "a.glb", "-o", "a.csv", "--frames", "3", "--json")
+        result = self.expect(DONE, "grow", "sunflower", "-o", "a.glb", "-o", "a.csv", "--frames", "3", "--json",
+                             "--no-collisions")
         self.assertEqual(result.err, "")
         self.assertEqual(result.out.count("\n"), 1)
         report = json.loads(result.out)
@@ -201,13 +210,13 @@ class Answers(ProgramTest):
 
     def test_a_species_file_grows_like_the_built_in_species(self):
         path = os.path.join(SOURCE, "species", "sunflower.toml")
-        self.expect(DONE, "grow", path, "-o", "file.glb")
-        self.expect(DONE, "grow", "sunflower", "-o", "name.glb")
+        self.expect(DONE, "grow", path, "-o", "file.glb", "--no-collisions")
+        self.expect(DONE, "grow", "sunflower", "-o", "name.glb", "--no-collisions")
         with open(self.path("file.glb"), "rb") as one, open(self.path("name.glb"), "rb") as other:
             self.assertEqual(one.read(), other.read())
 
     def test_render_writes_numbered_frames(self):
-        self.expect(DONE, "render", "sunflower", "-o", "a.png", "--frames", "3", "--size", "48x32", "--samples", "2",
+        self.expect(DONE, "render", scene("bud"), "-o", "a.png", "--frames", "3", "--size", "48x32", "--samples", "2",
                     "--quality", "draft")
         self.assertEqual(sorted(os.listdir(self.folder)), ["a_0000.png", "a_0001.png", "a_0002.png"])
         with open(self.path("a_0002.png"), "rb") as file:
@@ -217,7 +226,7 @@ class Answers(ProgramTest):
 
 
 class Terminal(ProgramTest):
-    LONG = ["render", "sunflower", "-o", "a.png", "--size", "1600", "--samples", "512"]
+    LONG = ["render", "sunflower", "--no-collisions", "-o", "a.png", "--size", "1600", "--samples", "512"]
 
     def test_progress_is_for_terminals_only(self):
         main_end, terminal = pty.openpty()

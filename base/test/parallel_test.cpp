@@ -3,6 +3,10 @@
 #include <gtest/gtest.h>
 
 #include <atomic>
+#include <chrono>
+#include <mutex>
+#include <set>
+#include <thread>
 #include <vector>
 
 namespace anthesis {
@@ -15,6 +19,18 @@ TEST(ParallelFor, CallsEachIndexOnceForAnyNumberOfThreads) {
     EXPECT_TRUE(parallel_for(calls.size(), [&](std::size_t i) { ++calls[i]; }));
     EXPECT_EQ(calls, std::vector<int>(10'000, 1));
   }
+}
+
+TEST(ThreadLimit, OneMeansThatOnlyTheCallerWorks) {
+  const ThreadLimit limit(1);
+  std::mutex adding;
+  std::set<std::thread::id> workers;
+  parallel_for(1'000, [&](std::size_t) {
+    std::this_thread::sleep_for(std::chrono::microseconds(50));
+    const std::lock_guard lock(adding);
+    workers.insert(std::this_thread::get_id());
+  });
+  EXPECT_EQ(workers, std::set<std::thread::id>{std::this_thread::get_id()});
 }
 
 TEST(ParallelFor, ReportsRisingFractionsAndStopsWhenAsked) {

@@ -16,12 +16,23 @@ namespace {
 
 constexpr int kMaxPieces = 400;          // of one step: beyond that, longer moves
 constexpr double kLongestRide_mm = 0.1;  // that what a body stands on may move in one pass
+constexpr int kSweepsPerLook = 4;        // contacts that do not press are looked at again after so many sweeps
 constexpr double kOverRelaxation = 1.3;  // of contacts: their corrections are averaged, which is slow
 constexpr double kWithinShare = 0.1;     // of its mean edge that parts of an organ keep between them at most
+constexpr double kCrowdedShare = 0.7;    // of the spacing: what is nearer to something that moves wakes
+constexpr double kLeaningShare = 1.2;    // of the spacing: what is nearer may lean on the other
+constexpr double kPressedShare = 0.3;    // of the spacing: a sleeper that something wants to move into so far wakes
 constexpr double kSlackShare = 0.2;      // of the thickness that relaxation may move a vertex beyond its growth
-constexpr double kStillShare = 0.02;     // of its mean edge that an organ at rest moves at most
+constexpr double kStillShare = 0.03;     // of its mean edge that an organ at rest moves at most
 constexpr double kRoomToMove = 1.25;     // relaxation may add to growth
 constexpr double kSmallestScale = 1.0 / 1024.0;
+
+/// What a body does in a pass.
+enum class Role : std::uint8_t {
+  kRests,    ///< nothing
+  kRides,    ///< it moves as one piece with what it stands on
+  kRelaxes,  ///< it grows, bends and gives way
+};
 
 double mean_edge_mm(const Sheet& sheet, std::span<const Vec3> places) {
   double sum = 0.0;
@@ -62,25 +73,38 @@ struct GrowingSheets::State {
   std::vector<GrowingBody> bodies;
   std::vector<std::uint32_t> first;  ///< vertex of each body, and the end of the last
   std::vector<std::uint8_t> awake;
-  std::vector<double> edge;  ///< mean edge of each body's target
+  std::vector<std::uint8_t> bent;  ///< by body, as far as passes have seen them: not as its target is
+  std::vector<double> edge;        ///< mean edge of each body's target
   std::vector<Vec3> positions;
   std::vector<Vec3> targets;
 
+  // What the next pass is to do, by body.
+  std::vector<Vec3> next;           ///< by vertex: the targets after it
+  std::vector<std::uint8_t> moves;  ///< by body: its target moves beyond its ride
+  std::vector<Vec3> ride;           ///< by body
+
   // Work space of a pass, kept to save allocations.
+  std::vector<Role> role;
   std::vector<Vec3> proposal;
   std::vector<ContactBody> scene;
   std::vector<ContactBody> within_scene;
   std::vector<MovingBody> moving;
+  std::vector<Vec3> carried;         ///< by vertex: where growth alone would have taken it
   std::vector<double> wanted;        ///< by vertex: how far it would have gone in the last pass
   std::vector<double> reach;         ///< by vertex: how far it looks for others
   std::vector<double> within_reach;  ///< and for parts of its own body
   std::vector<Contact> within_contacts;
   std::vector<double> within_spacing;  ///< by body: what its own parts want to keep between them
   std::vector<Contact> contacts;
-  std::vector<double> spacing;  ///< that each contact wants to keep
-  std::vector<Vec3> push;
-  std::vector<std::uint32_t> pushes;
-  std::vector<double> moved;  ///< by body: longest move of the pass
+  std::vector<double> spacing;         ///< that each contact wants to keep
+  std::vector<std::uint8_t> pressing;  ///< by contact
+  std::vector<std::uint32_t> active;   ///< contacts that press or soon may
+  std::vector<Vec3> push;              ///< by vertex: sum of what its contacts want
+  std::vector<std::uint32_t> pushes;   ///< by vertex: how many do; 0 between sweeps
+  std::vector<std::uint32_t> touched;  ///< vertices with pushes
+  std::vector<double> moved;           ///< by body: longest move of the pass beyond growth
+  std::vector<std::uint8_t> pressed;   ///< by body: asleep, and something wants to be where it is
+  std::vector<double> travelled;       ///< by body: longest move of the pass beyond its ride
   StepFilter filter;
 
   State(std::vector<Sheet> all, const GrowingOptions& chosen)
@@ -98,11 +122,15 @@ struct GrowingSheets::State {
     return std::span(places).subspan(first[body], vertex_count(body));
   }
   std::vector<std::uint32_t> crossed_by(std::size_t body, bool& itself) const;
-  void pass(const std::vector<std::uint8_t>& moves, std::span<const Vec3> next_targets, std::span<const Vec3> rides,
-            GrowthStep& step);
+  bool mobile(std::size_t body) const { return role[body] == Role::kRelaxes && !bodies[body].fixed; }
+  void pass(GrowthStep& step);
+  void carry();
   void find_contacts();
   void relax();
+  double missing(std::uint32_t contact) const;
+  void look_for_pressure();
   void push_apart();
+  double take_up();
 };
 
 GrowingSheets::GrowingSheets(std::vector<Sheet> sheets, const GrowingOptions& options)
@@ -150,9 +178,9 @@ std::vector<std::uint32_t> GrowingSheets::State::crossed_by(std::size_t body, bo
       if (other != body && !overlap(own, box_of(corners))) {
         continue;
       }
-      const auto next = static_cast<std::uint32_t>(places.size());
+      const auto corner = static_cast<std::uint32_t>(places.size());
       places.insert(places.end(), corners.begin(), corners.end());
-      triangles.push_back({next, next + 1, next + 2});
+      triangles.push_back({corner, corner + 1, corner + 2});
       owner.push_back(static_cast<std::uint32_t>(other));
     }
   }
@@ -236,20 +264,16 @@ Expected<GrowthStep> GrowingSheets::advance(std::span<const Vec3> targets_mm, co
   };
   const int rides = pieces_of(longest_carriage, kLongestRide_mm);
   std::vector<int> pieces(count, rides);
-  int rounds = 0;
+  int rounds = longest_carriage > 0.0 ? rides : 0;
   for (std::size_t b = 0; b < count; ++b) {
     const GrowingBody& body = state.bodies[b];
     if (!body.fixed) {
-      const double most = std::max(state.options.piece * state.edge[b], 0.5 * body.thickness_mm);
-      pieces[b] = rides * ((pieces_of(own[b], most) + rides - 1) / rides);
+      pieces[b] = pieces_of(own[b], std::max(state.options.piece * state.edge[b], 0.5 * body.thickness_mm));
     }
-    rounds = std::max(rounds, own[b] > 0.0 || longest_carriage > 0.0 ? pieces[b] : 0);
+    rounds = std::max(rounds, own[b] > 0.0 ? pieces[b] : 0);
   }
-  rounds = (rounds + rides - 1) / rides * rides;
   const std::vector<Vec3> begin = state.targets;
-  std::vector<Vec3> next = state.targets;
-  std::vector<std::uint8_t> moves(count, 0);
-  std::vector<Vec3> now(count);  // this round's part of the carriage
+  state.next = state.targets;
   GrowthStep step;
   for (int round = 0; round < rounds; ++round) {
     if (!report(progress, "collisions", static_cast<double>(round) / (rounds + state.options.settling_passes))) {
@@ -258,72 +282,92 @@ Expected<GrowthStep> GrowingSheets::advance(std::span<const Vec3> targets_mm, co
     // Shares of the way after this round; 0 to 1, whole at the end.
     const auto share_after = [&](int r, int of) { return static_cast<double>(std::int64_t{r} * of / rounds) / of; };
     const double ride = share_after(round + 1, rides);
-    const bool rides_now = ride != share_after(round, rides);
-    for (std::size_t b = 0; b < count; ++b) {
+    const double ride_now = ride - share_after(round, rides);
+    state.ride.assign(count, Vec3{});
+    state.moves.assign(count, 0);
+    parallel_for(count, [&](std::size_t b) {
       const double share = share_after(round + 1, pieces[b]);
-      const bool moves_now = share != share_after(round, pieces[b]);
-      moves[b] = (moves_now && own[b] > 0.0) || (rides_now && carriage[b] != Vec3{});
-      if (moves[b]) {
+      state.moves[b] = share != share_after(round, pieces[b]) && own[b] > 0.0;
+      const bool is_carried = ride_now > 0.0 && carriage[b] != Vec3{};
+      if (is_carried && state.bodies[b].fixed) {
+        state.moves[b] = 1;  // what pushes the others moves vertex by vertex
+      } else if (is_carried) {
+        state.ride[b] = ride_now * carriage[b];
+      }
+      if (state.moves[b] || is_carried) {
         for (std::size_t i = state.first[b]; i < state.first[b + 1]; ++i) {
-          next[i] = round + 1 == rounds
-                        ? targets_mm[i]
-                        : begin[i] + share * (targets_mm[i] - begin[i] - carriage[b]) + ride * carriage[b];
+          state.next[i] = round + 1 == rounds
+                              ? targets_mm[i]
+                              : begin[i] + share * (targets_mm[i] - begin[i] - carriage[b]) + ride * carriage[b];
         }
       }
-    }
-    for (std::size_t b = 0; b < count; ++b) {
-      // Bodies that give way ride along; what pushes them moves vertex by vertex.
-      now[b] = state.bodies[b].fixed || !rides_now ? Vec3{} : (ride - share_after(round, rides)) * carriage[b];
-    }
-    state.pass(moves, next, now, step);
+    });
+    state.pass(step);
   }
-  std::fill(now.begin(), now.end(), Vec3{});
-  std::fill(moves.begin(), moves.end(), std::uint8_t{0});
+  state.ride.assign(count, Vec3{});
+  state.moves.assign(count, 0);
   for (int k = 0; k < state.options.settling_passes && std::count(state.awake.begin(), state.awake.end(), 1) > 0; ++k) {
     if (!report(progress, "collisions", static_cast<double>(rounds + k) / (rounds + state.options.settling_passes))) {
       return unexpected(Error{ErrorCode::kCancelled, "", "cancelled"});
     }
-    state.pass(moves, next, now, step);
+    state.pass(step);
   }
   return step;
 }
 
-/// One pass: bodies in `moves` are carried along with their targets; those awake relax under contact; what comes of it
-/// is cut short so that nothing crosses.
-void GrowingSheets::State::pass(const std::vector<std::uint8_t>& moves, std::span<const Vec3> next_targets,
-                                std::span<const Vec3> rides, GrowthStep& step) {
+/// One pass: targets go on to `next`, and bodies with them; those that move by themselves or were not at rest relax
+/// under contact; what comes of it is cut short so that nothing crosses.
+void GrowingSheets::State::pass(GrowthStep& step) {
+  carry();
+  find_contacts();
+  relax();
+  // Where relaxation led to in this pass it will lead to in the next one: look as far then, within limits.
+  parallel_for(bodies.size(), [&](std::size_t b) {
+    const double most = options.piece * edge[b];
+    for (std::size_t i = first[b]; i < first[b + 1]; ++i) {
+      wanted[i] = mobile(b) ? std::min(most, length(proposal[i] - positions[i] - ride[b])) : 0.0;
+    }
+  });
+  step.shortened += filter.apply(contacts, moving, reach, within_reach, positions, proposal);
+  step.residual_mm = take_up();
+  step.contacts += contacts.size();
+  ++step.passes;
+}
+
+/// Moves bodies along with their targets, decides what each does in this pass, and how far it has to look around.
+void GrowingSheets::State::carry() {
   const std::size_t count = bodies.size();
   proposal = positions;
+  role.resize(count);
   scene.resize(count);
   within_scene.resize(count);
   moving.resize(count);
   within_spacing.resize(count);
+  carried.resize(positions.size());
   wanted.resize(positions.size(), 0.0);
   reach.resize(positions.size());
   within_reach.resize(positions.size());
   parallel_for(count, [&](std::size_t b) {
-    if (moves[b]) {
-      awake[b] = 1;
-      for (std::size_t i = first[b]; i < first[b + 1]; ++i) {
-        proposal[i] += next_targets[i] - targets[i];
-        targets[i] = next_targets[i];
-      }
+    const bool rides = ride[b] != Vec3{};
+    role[b] = moves[b] || awake[b] ? Role::kRelaxes : rides ? Role::kRides : Role::kRests;
+    for (std::size_t i = first[b]; (moves[b] || rides) && i < first[b + 1]; ++i) {
+      proposal[i] += moves[b] ? next[i] - targets[i] : ride[b];
+      targets[i] = next[i];
     }
+    std::copy(proposal.begin() + first[b], proposal.begin() + first[b + 1], carried.begin() + first[b]);
     const double slack = kSlackShare * bodies[b].thickness_mm;
     // Parts of one organ lie nearer to each other than organs do; only small ones must not stick to themselves.
     within_spacing[b] = std::min(bodies[b].thickness_mm, kWithinShare * edge[b]);
     const double least_reach = 0.5 * bodies[b].thickness_mm + slack;
     const double least_within = bodies[b].fixed ? least_reach : 0.5 * within_spacing[b] + slack;
-    scene[b] = {bodies[b].sheet, first[b], least_reach, {}, awake[b] != 0, false, true};
-    within_scene[b] = {bodies[b].sheet, first[b], least_within, {}, awake[b] != 0, !bodies[b].fixed, false};
-    moving[b] = {first[b], first[b + 1], {}, awake[b] != 0};
-    std::fill(reach.begin() + first[b], reach.begin() + first[b + 1], least_reach);
-    std::fill(within_reach.begin() + first[b], within_reach.begin() + first[b + 1], least_within);
-    if (!awake[b]) {
+    const bool relaxes = role[b] == Role::kRelaxes;
+    scene[b] = {bodies[b].sheet, first[b], least_reach, {}, role[b] != Role::kRests, false, true};
+    within_scene[b] = {bodies[b].sheet, first[b], least_within, {}, relaxes, !bodies[b].fixed, false};
+    moving[b] = {first[b], first[b + 1], ride[b], relaxes};
+    if (role[b] == Role::kRests) {
+      std::fill(reach.begin() + first[b], reach.begin() + first[b + 1], least_reach);
       return;
     }
-    const Vec3 ride = moves[b] ? rides[b] : Vec3{};
-    moving[b].ride_mm = ride;
     for (std::size_t i = first[b]; i < first[b + 1]; ++i) {
       if (bodies[b].fixed) {
         // What it could not do before it makes up for, little by little.
@@ -331,54 +375,61 @@ void GrowingSheets::State::pass(const std::vector<std::uint8_t>& moves, std::spa
         const double size = length(behind);
         proposal[i] += size > kLongestRide_mm ? std::max(0.5, kLongestRide_mm / size) * behind : behind;
       }
-      const double own = kRoomToMove * std::max(wanted[i], length(proposal[i] - positions[i] - ride));
-      within_reach[i] += own;
-      reach[i] += own + length(ride);
+      const double own =
+          relaxes ? kRoomToMove * std::max(wanted[i], length(proposal[i] - positions[i] - ride[b])) : 0.0;
+      within_reach[i] = least_within + own;
+      reach[i] = least_reach + own + length(ride[b]);
     }
     scene[b].vertex_reach_mm = of(b, reach);
-    within_scene[b].vertex_reach_mm = of(b, within_reach);
-  });
-  find_contacts();
-  relax();
-  // Where relaxation led to in this pass it will lead to in the next one: look as far then, within limits.
-  parallel_for(count, [&](std::size_t b) {
-    const double most = options.piece * edge[b];
-    for (std::size_t i = first[b]; i < first[b + 1]; ++i) {
-      wanted[i] =
-          awake[b] && !bodies[b].fixed ? std::min(most, length(proposal[i] - positions[i] - moving[b].ride_mm)) : 0.0;
+    if (relaxes) {
+      within_scene[b].vertex_reach_mm = of(b, within_reach);
     }
   });
-  step.shortened += filter.apply(contacts, moving, reach, within_reach, positions, proposal);
+}
 
+/// Takes the proposal for the new state and finds out who is awake after it. Returns the longest move beyond growth.
+double GrowingSheets::State::take_up() {
+  const std::size_t count = bodies.size();
   moved.assign(count, 0.0);
+  travelled.assign(count, 0.0);
+  bent.resize(count, 0);
   parallel_for(count, [&](std::size_t b) {
-    if (!awake[b]) {
+    if (role[b] == Role::kRests) {
       return;
     }
+    double bend = 0.0;
     for (std::size_t i = first[b]; i < first[b + 1]; ++i) {
-      moved[b] = std::max(moved[b], length(proposal[i] - positions[i]));
+      moved[b] = std::max(moved[b], length(proposal[i] - carried[i]));
+      travelled[b] = std::max(travelled[b], length(proposal[i] - positions[i] - ride[b]));
+      bend = std::max(bend, length(proposal[i] - targets[i]));
       positions[i] = proposal[i];
     }
+    bent[b] = bend > still(b);
   });
-  step.residual_mm = 0.0;
+  double longest = 0.0;
   for (std::size_t b = 0; b < count; ++b) {
-    awake[b] = moved[b] > still(b);
-    step.residual_mm = std::max(step.residual_mm, moved[b]);
+    // What growth alone would have taken to the same place is at rest.
+    awake[b] = moved[b] > still(b) || pressed[b];
+    longest = std::max(longest, moved[b]);
   }
-  // What moves wakes what it presses.
+  // A body wakes when it is crowded by one that moves or rides, and when one leaves that it leans on.
+  const auto wakes = [&](std::uint32_t sleeper, std::uint32_t other, double nearness) {
+    if (bodies[sleeper].fixed || awake[sleeper]) {
+      return;
+    }
+    const bool stirs = travelled[other] > still(other);
+    const bool crowded = nearness < kCrowdedShare && (stirs || role[other] == Role::kRides);
+    awake[sleeper] = crowded || (nearness < kLeaningShare && stirs && bent[sleeper]);
+  };
   for (std::size_t c = 0; c < contacts.size(); ++c) {
     const Contact& contact = contacts[c];
-    if (contact.gap_mm < 0.9 * spacing[c]) {
-      const bool stirred = moved[contact.first_body] > still(contact.first_body) ||
-                           moved[contact.second_body] > still(contact.second_body);
-      if (stirred) {
-        awake[contact.first_body] |= static_cast<std::uint8_t>(!bodies[contact.first_body].fixed);
-        awake[contact.second_body] |= static_cast<std::uint8_t>(!bodies[contact.second_body].fixed);
-      }
+    if (contact.first_body != contact.second_body && contact.gap_mm < kLeaningShare * spacing[c]) {
+      const double nearness = contact.gap_mm / spacing[c];
+      wakes(contact.first_body, contact.second_body, nearness);
+      wakes(contact.second_body, contact.first_body, nearness);
     }
   }
-  step.contacts += contacts.size();
-  ++step.passes;
+  return longest;
 }
 
 void GrowingSheets::State::find_contacts() {
@@ -412,56 +463,90 @@ void GrowingSheets::State::relax() {
   for (std::size_t s = 0; s < sheets.size(); ++s) {
     std::vector<std::uint32_t> chosen;
     for (std::size_t b = 0; b < bodies.size(); ++b) {
-      if (bodies[b].sheet == s && awake[b] && !bodies[b].fixed) {
+      if (bodies[b].sheet == s && mobile(b)) {
         chosen.push_back(first[b]);
       }
     }
     batches[s].set_rest(targets, chosen);
   }
+  pressed.assign(bodies.size(), 0);
+  push.resize(positions.size());
+  pushes.resize(positions.size(), 0);
   for (int sweep = 0; sweep < options.sweeps; ++sweep) {
     for (ElasticBatch& batch : batches) {
       batch.load(proposal);
       batch.settle(1);
       batch.store(proposal);
     }
+    if (sweep % kSweepsPerLook == 0) {
+      look_for_pressure();
+    }
     push_apart();
+  }
+}
+
+/// How much nearer than they want to be the two of a contact would be; negative if they are farther apart.
+double GrowingSheets::State::missing(std::uint32_t index) const {
+  const Contact& contact = contacts[index];
+  double apart = 0.0;
+  for (int k = 0; k < 4; ++k) {
+    apart += contact.weights[k] * dot(contact.normal, proposal[contact.vertices[k]]);
+  }
+  return spacing[index] - apart;
+}
+
+/// Chooses the contacts that push or soon may: the others cost as much to look at and do nothing.
+void GrowingSheets::State::look_for_pressure() {
+  pressing.resize(contacts.size());
+  constexpr std::size_t kChunk = 4096;
+  parallel_for((contacts.size() + kChunk - 1) / kChunk, [&](std::size_t chunk) {
+    for (std::size_t c = chunk * kChunk; c < std::min(contacts.size(), (chunk + 1) * kChunk); ++c) {
+      const bool matters = mobile(contacts[c].first_body) || mobile(contacts[c].second_body);
+      pressing[c] = matters && missing(static_cast<std::uint32_t>(c)) > -0.5 * spacing[c];
+    }
+  });
+  active.clear();
+  for (std::uint32_t c = 0; c < contacts.size(); ++c) {
+    if (pressing[c]) {
+      active.push_back(c);
+    }
   }
 }
 
 /// Each contact that is too near moves its four vertices apart along its normal; where a vertex has several, it moves
 /// by their mean. Means do not depend on the order: what is symmetric stays so.
 void GrowingSheets::State::push_apart() {
-  push.assign(positions.size(), Vec3{});
-  pushes.assign(positions.size(), 0);
-  const auto mobile = [&](std::uint32_t body) { return awake[body] && !bodies[body].fixed; };
-  for (std::size_t c = 0; c < contacts.size(); ++c) {
+  touched.clear();
+  for (const std::uint32_t c : active) {
     const Contact& contact = contacts[c];
-    Vec3 apart{};
-    double weight = 0.0;
-    const int firsts = contact.edges ? 2 : 1;
-    const bool one = mobile(contact.first_body);
-    const bool other = mobile(contact.second_body);
-    for (int k = 0; k < 4; ++k) {
-      apart += contact.weights[k] * proposal[contact.vertices[k]];
-      if (k < firsts ? one : other) {
-        weight += contact.weights[k] * contact.weights[k];
-      }
-    }
-    const double missing = spacing[c] - dot(contact.normal, apart);
-    if (missing <= 0.0 || weight <= 0.0) {
+    const double short_by = missing(c);
+    if (short_by <= 0.0) {
       continue;
     }
+    const int firsts = contact.edges ? 2 : 1;
+    const std::array<bool, 2> gives_way = {mobile(contact.first_body), mobile(contact.second_body)};
+    if (short_by > kPressedShare * spacing[c]) {
+      pressed[contact.first_body] |= static_cast<std::uint8_t>(!gives_way[0] && !bodies[contact.first_body].fixed);
+      pressed[contact.second_body] |= static_cast<std::uint8_t>(!gives_way[1] && !bodies[contact.second_body].fixed);
+    }
+    double weight = 0.0;
     for (int k = 0; k < 4; ++k) {
-      if ((k < firsts ? one : other) && contact.weights[k] != 0.0) {
-        push[contact.vertices[k]] += (missing / weight * contact.weights[k]) * contact.normal;
-        ++pushes[contact.vertices[k]];
+      weight += gives_way[k < firsts ? 0 : 1] ? contact.weights[k] * contact.weights[k] : 0.0;
+    }
+    for (int k = 0; k < 4; ++k) {
+      const std::uint32_t vertex = contact.vertices[k];
+      if (gives_way[k < firsts ? 0 : 1] && contact.weights[k] != 0.0) {
+        if (pushes[vertex]++ == 0) {
+          push[vertex] = {};
+          touched.push_back(vertex);
+        }
+        push[vertex] += (short_by / weight * contact.weights[k]) * contact.normal;
       }
     }
   }
-  for (std::size_t i = 0; i < positions.size(); ++i) {
-    if (pushes[i] > 0) {
-      proposal[i] += (kOverRelaxation / pushes[i]) * push[i];
-    }
+  for (const std::uint32_t vertex : touched) {
+    proposal[vertex] += (kOverRelaxation / pushes[vertex]) * push[vertex];
+    pushes[vertex] = 0;
   }
 }
 
@@ -477,7 +562,7 @@ Expected<CrossingReport> GrowingSheets::audit(const Progress& progress) const {
 }
 
 GrowingSheets::Snapshot GrowingSheets::snapshot() const {
-  return {state_->bodies, state_->positions, state_->targets, state_->awake, state_->wanted};
+  return {state_->bodies, state_->positions, state_->targets, state_->awake, state_->bent, state_->wanted};
 }
 
 void GrowingSheets::restore(Snapshot snapshot) {
@@ -486,6 +571,7 @@ void GrowingSheets::restore(Snapshot snapshot) {
   state.positions = std::move(snapshot.positions_mm);
   state.targets = std::move(snapshot.targets_mm);
   state.awake = std::move(snapshot.awake);
+  state.bent = std::move(snapshot.bent);
   state.wanted = std::move(snapshot.wanted_mm);
   state.detector = Detector(state.sheets);  // they remember where sleeping bodies are
   state.within_detector = Detector(state.sheets);

@@ -42,7 +42,7 @@ void StepFilter::split(std::span<const MovingBody> bodies, std::span<const doubl
     const MovingBody& body = bodies[b];
     const double ride = length(body.ride_mm);
     for (std::size_t i = body.first_vertex; i < body.end_vertex; ++i) {
-      if (!body.awake) {
+      if (!body.relaxes) {
         own_[i] = {};
         continue;
       }
@@ -152,7 +152,7 @@ std::uint64_t StepFilter::apply(std::span<const Contact> contacts, std::span<con
     for (std::size_t i = body.first_vertex; i < body.end_vertex; ++i) {
       const bool cut = own_shares_.share[i] < 1.0 || ride_shares_.share[b] < 1.0;
       shortened += cut ? 1 : 0;
-      to[i] = body.awake ? from[i] + (ride_shares_.share[b] * body.ride_mm + own_shares_.share[i] * own_[i]) : from[i];
+      to[i] = from[i] + (ride_shares_.share[b] * body.ride_mm + own_shares_.share[i] * own_[i]);
     }
   }
   return shortened;

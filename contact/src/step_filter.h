@@ -12,8 +12,8 @@ namespace anthesis {
 struct MovingBody {
   std::uint32_t first_vertex = 0;
   std::uint32_t end_vertex = 0;
-  Vec3 ride_mm;       ///< what all its vertices have in common: the motion of what it stands on
-  bool awake = true;  ///< or it does not move at all
+  Vec3 ride_mm;         ///< what all its vertices have in common: the motion of what it stands on
+  bool relaxes = true;  ///< or it does nothing beyond its ride
 };
 
 /// Cuts moves short so that nothing crosses: docs/contact.md has the proof.

@@ -144,10 +144,17 @@ TEST(GrowingSheets, PetalsThatLeanThroughEachOtherEndLeaningOnEachOther) {
 }
 
 TEST(GrowingSheets, EvenALeapIsFreeOfCrossings) {
-  GrowingSheets sheets = pair_of_petals();
-  ASSERT_TRUE(sheets.advance(leaning_pair(85.0)));
-  EXPECT_EQ(crossings_of(sheets), 0u);
-  EXPECT_TRUE(would_cross(sheets, leaning_pair(85.0)));
+  // However little is done to keep them apart.
+  for (const GrowingOptions& options :
+       {GrowingOptions{}, GrowingOptions{.sweeps = 1, .piece = 1.0, .settling_passes = 0}}) {
+    GrowingSheets sheets = pair_of_petals(options);
+    const auto leapt = sheets.advance(leaning_pair(85.0));
+    ASSERT_TRUE(leapt);
+    EXPECT_EQ(crossings_of(sheets), 0u);
+    EXPECT_TRUE(would_cross(sheets, leaning_pair(85.0)));
+    ASSERT_TRUE(sheets.advance(leaning_pair(-40.0)));
+    EXPECT_EQ(crossings_of(sheets), 0u);
+  }
 }
 
 /// How far lengths and angles are from those of the targets: relative, and radians.
@@ -165,19 +172,16 @@ Strain strain_of(const Sheet& sheet, std::span<const Vec3> places, std::span<con
   for (const auto& [a, b, c, d] : sheet.hinges) {
     const double now = hinge_angle_rad(places[a], places[b], places[c], places[d]);
     const double rest = hinge_angle_rad(targets[a], targets[b], targets[c], targets[d]);
-    strain.angle_rad = std::max(strain.angle_rad, std::abs(math::radians(180.0) - std::abs(math::radians(180.0) -
-                                                                                          std::abs(now - rest))));
+    strain.angle_rad = std::max(strain.angle_rad,
+                                std::abs(math::radians(180.0) - std::abs(math::radians(180.0) - std::abs(now - rest))));
   }
   return strain;
 }
 
 TEST(GrowingSheets, APetalGivesWayToAPlateAndComesBackWhenItLeaves) {
   // The plate stands upright beside the petal's upper half.
-  const auto plate = [](double y) {
-    return Places{{-3, y, 1.9}, {3, y, 1.9}, {-3, y, 6}, {3, y, 6}};
-  };
-  GrowingSheets sheets({petal_sheet(), grid(2, 2)},
-                       {.sweeps = 100, .settling_passes = 300, .residual_mm = 1e-9});
+  const auto plate = [](double y) { return Places{{-3, y, 1.9}, {3, y, 1.9}, {-3, y, 6}, {3, y, 6}}; };
+  GrowingSheets sheets({petal_sheet(), grid(2, 2)}, {.sweeps = 100, .settling_passes = 300, .residual_mm = 1e-9});
   const Places upright = petal({}, 0.0);
   ASSERT_EQ(sheets.enter({1, kThickness_mm, true}, plate(-0.5), {}).scale, 1.0);
   ASSERT_EQ(sheets.enter({0, kThickness_mm}, upright, {}).scale, 1.0);
@@ -261,15 +265,16 @@ TEST(GrowingSheets, AWhorlOfFiveStaysFivefold) {
 }
 
 TEST(GrowingSheets, FreeBodiesPushEachOtherEqually) {
-  // One sheet drifts flat onto another that nothing holds: what they have in common goes where the targets go.
+  // Two sheets drift through each other and nothing holds them: what they have in common goes where the targets go.
   GrowingSheets sheets({free_sheet()}, {});
-  const auto flat = [](double z) {
-    Places places = petal({0.11, -0.4, 0}, 90.0, 17.0);
+  const auto flat = [](double z, double turn_deg) {
+    Places places = petal({0.1, -0.5 * kLength_mm, 0}, 90.0, turn_deg);
     for (Vec3& p : places) {
       p.z += z;
     }
     return places;
   };
+  const auto targets_at = [&](int step) { return joined({flat(0.01 * step, 0.0), flat(0.3 - 0.02 * step, 57.0)}); };
   const auto centroid = [](std::span<const Vec3> places) {
     Vec3 sum{};
     for (const Vec3 p : places) {
@@ -277,18 +282,31 @@ TEST(GrowingSheets, FreeBodiesPushEachOtherEqually) {
     }
     return sum / static_cast<double>(places.size());
   };
-  const Places below = petal({}, 90.0);
-  ASSERT_EQ(sheets.enter({0, kThickness_mm}, below, {}).scale, 1.0);
-  ASSERT_EQ(sheets.enter({0, kThickness_mm}, flat(0.3), {}).scale, 1.0);
+  const Places start = targets_at(0);
+  const std::size_t count = start.size() / 2;
+  ASSERT_EQ(sheets.enter({0, kThickness_mm}, std::span(start).first(count), {}).scale, 1.0);
+  ASSERT_EQ(sheets.enter({0, kThickness_mm}, std::span(start).last(count), {}).scale, 1.0);
   for (int step = 1; step <= 30; ++step) {
-    const Places targets = joined({below, flat(0.3 - 0.02 * step)});
+    const Places targets = targets_at(step);
     ASSERT_TRUE(sheets.advance(targets));
     ASSERT_EQ(crossings_of(sheets), 0u);
-    EXPECT_LT(length(centroid(sheets.positions_mm()) - centroid(targets)), 0.05 * kThickness_mm) << "step " << step;
+    EXPECT_LT(length(centroid(sheets.positions_mm()) - centroid(targets)), 0.25 * kThickness_mm) << "step " << step;
   }
-  // It has been pushed down by half of what the other one came too near.
-  const double pushed_mm = -centroid(sheets.positions_mm().first(below.size())).z;
-  EXPECT_NEAR(pushed_mm, 0.5 * (0.3 + kThickness_mm), 0.1 * kThickness_mm);
+  EXPECT_GT(centroid(sheets.positions_mm().last(count)).z, centroid(sheets.positions_mm().first(count)).z);
+}
+
+TEST(GrowingSheets, ASleeperThatIsPressedWakesUpAndGivesWay) {
+  GrowingSheets sheets = pair_of_petals();
+  const std::size_t count = sheets.positions_mm().size() / 2;
+  const Places upright = leaning_pair(0.0);
+  for (int step = 1; step <= kSteps; ++step) {
+    Places targets = leaning_pair(lean_at(step));
+    std::copy(upright.begin() + static_cast<std::ptrdiff_t>(count), upright.end(),
+              targets.begin() + static_cast<std::ptrdiff_t>(count));
+    ASSERT_TRUE(sheets.advance(targets));
+    ASSERT_EQ(crossings_of(sheets), 0u);
+  }
+  EXPECT_GT(farthest(sheets.positions_mm().last(count), std::span(upright).last(count)), 2.0 * kThickness_mm);
 }
 
 TEST(GrowingSheets, AnAttachedOrganThatIsPushedOffKeepsItsBase) {
@@ -392,41 +410,50 @@ TEST(GrowingSheets, TheNumberOfThreadsChangesNoBit) {
 }
 
 TEST(GrowingSheets, ASnapshotGoesOnElsewhereWithTheSameBits) {
-  GrowingSheets sheets = pair_of_petals();
-  // Something asleep, too.
-  const Places aside = petal({9, 0, 0}, 0.0);
-  ASSERT_EQ(sheets.enter({0, kThickness_mm}, aside, {}).scale, 1.0);
-  for (int step = 1; step <= kSteps; ++step) {
-    GrowingSheets other({petal_sheet()}, {});
-    other.restore(sheets.snapshot());
-    ASSERT_EQ(other.body_count(), 3u);
-    EXPECT_EQ(other.first_vertex(2), sheets.first_vertex(2));
-    const Places targets = joined({leaning_pair(lean_at(step)), aside});
-    const auto one = sheets.advance(targets);
-    const auto two = other.advance(targets);
-    ASSERT_TRUE(one);
-    ASSERT_TRUE(two);
-    ASSERT_EQ(positions_of(other), positions_of(sheets)) << "step " << step;
-    EXPECT_EQ(two->passes, one->passes);
-    EXPECT_EQ(two->contacts, one->contacts);
-    // And the rest of the way as one.
-    if (step == kSteps / 2) {
-      sheets = std::move(other);
+  const GrowingOptions in_the_middle{.settling_passes = 0};  // nothing has come to rest between two steps
+  for (const GrowingOptions& options : {GrowingOptions{}, in_the_middle}) {
+    GrowingSheets sheets = pair_of_petals(options);
+    const Places aside = petal({9, 0, 0}, 0.0);  // something asleep, too
+    ASSERT_EQ(sheets.enter({0, kThickness_mm}, aside, {}).scale, 1.0);
+    for (int step = 1; step <= kSteps; ++step) {
+      GrowingSheets other({petal_sheet()}, options);
+      other.restore(sheets.snapshot());
+      ASSERT_EQ(other.body_count(), 3u);
+      EXPECT_EQ(other.first_vertex(2), sheets.first_vertex(2));
+      const Places targets = joined({leaning_pair(3.0 * lean_at(step)), aside});
+      const auto one = sheets.advance(targets);
+      const auto two = other.advance(targets);
+      ASSERT_TRUE(one);
+      ASSERT_TRUE(two);
+      ASSERT_EQ(positions_of(other), positions_of(sheets)) << "step " << step;
+      EXPECT_EQ(two->passes, one->passes);
+      EXPECT_EQ(two->contacts, one->contacts);
+      EXPECT_EQ(two->shortened, one->shortened);
+      if (step == kSteps / 2) {
+        sheets = std::move(other);
+      }
     }
   }
 }
 
 TEST(GrowingSheets, ABranchOffTheWayLeavesNoTrace) {
-  GrowingSheets straight = pair_of_petals();
-  GrowingSheets winding = pair_of_petals();
+  const GrowingOptions options{.settling_passes = 200};
+  GrowingSheets straight = pair_of_petals(options);
+  GrowingSheets winding = pair_of_petals(options);
+  const std::size_t count = straight.positions_mm().size() / 2;
+  const Places away = petal({0, -0.4, 0}, -60.0, 180.0);
+  const Places upright = petal({0, -0.4, 0}, 0.0, 180.0);
   for (int step = 1; step <= kSteps; ++step) {
-    ASSERT_TRUE(straight.advance(leaning_pair(lean_at(step))));
-    GrowingSheets::Snapshot here = winding.snapshot();
-    ASSERT_TRUE(winding.advance(leaning_pair(lean_at(step) - 0.4)));
-    winding.restore(std::move(here));
-    ASSERT_TRUE(winding.advance(leaning_pair(lean_at(step))));
+    const Places here = petal({0.07, -0.4, 0}, lean_at(step));
+    ASSERT_TRUE(straight.advance(joined({here, upright})));
+    // In the branch the second petal lies down and falls asleep where it is not.
+    GrowingSheets::Snapshot before = winding.snapshot();
+    ASSERT_TRUE(winding.advance(joined({petal({0.07, -0.4, 0}, lean_at(step) - 0.4), away})));
+    EXPECT_LT(farthest(winding.positions_mm().last(count), away), 0.5);
+    winding.restore(std::move(before));
+    ASSERT_TRUE(winding.advance(joined({here, upright})));
+    ASSERT_EQ(positions_of(winding), positions_of(straight)) << "step " << step;
   }
-  EXPECT_EQ(positions_of(winding), positions_of(straight));
 }
 
 TEST(GrowingSheets, StopsWhenAskedAndIsStillFreeOfCrossings) {

@@ -147,6 +147,7 @@ std::optional<Error> save_checkpoint(const std::string& folder, const std::strin
   writer.list(checkpoint.snapshot.positions_mm);
   writer.list(checkpoint.snapshot.targets_mm);
   writer.list(checkpoint.snapshot.awake);
+  writer.list(checkpoint.snapshot.bent);
   writer.list(checkpoint.snapshot.wanted_mm);
   return write_file(state_file(folder), writer.finish());
 }
@@ -181,6 +182,7 @@ Expected<Checkpoint> load_checkpoint(const std::string& folder, const std::strin
   reader.list(checkpoint.snapshot.positions_mm);
   reader.list(checkpoint.snapshot.targets_mm);
   reader.list(checkpoint.snapshot.awake);
+  reader.list(checkpoint.snapshot.bent);
   reader.list(checkpoint.snapshot.wanted_mm);
   if (!reader.good() || thickness.size() != sheet.size() || fixed.size() != sheet.size() || frames > 1'000'000) {
     return unexpected(damaged(state_file(folder)));

@@ -35,6 +35,11 @@ CLI::Option* add_whole(CLI::App& app, const std::string& flag, std::optional<int
                        std::string help);
 CLI::Option* add_whole(CLI::App& app, const std::string& flag, int& value, int min, int max, std::string help);
 
+/// An answer that is an exit status other than kDone, and no failure: thrown by a command when all else is printed.
+struct Answer {
+  int status = kDone;
+};
+
 /// One command of the program. `run` is called after the arguments are read; it throws a Failure if it cannot go on.
 struct Command {
   CLI::App* app = nullptr;
@@ -65,6 +70,7 @@ T value_of(Expected<T> result) {
 }
 
 // One for each file of the same name.
+Command add_check(CLI::App& app);
 Command add_grow(CLI::App& app);
 Command add_pattern(CLI::App& app);
 Command add_render(CLI::App& app);

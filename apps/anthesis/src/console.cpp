@@ -67,10 +67,16 @@ void Console::draw(std::string_view stage, double fraction) {
   constexpr double kPatience = 0.3;  // seconds: what is quicker needs no line
   constexpr double kFrame = 0.1;
   constexpr double kGuessAfter = 1.0;
+  constexpr double kLately = 15.0;  // what the guess is made from: plants get slower as they grow
   const Clock::time_point now = Clock::now();
+  const double share = std::clamp(fraction, 0.0, 1.0);
   if (stage != stage_) {
     stage_ = stage;
     stage_began_ = now;
+    marks_ = {Mark{now, share}, Mark{now, share}};  // a stage that is resumed does not begin at 0
+  }
+  if (seconds_between(marks_[1].time, now) > kLately) {
+    marks_ = {marks_[1], Mark{now, share}};
   }
   const double taken = seconds_between(stage_began_, now);
   if (taken < kPatience || seconds_between(last_drawn_, now) < kFrame) {
@@ -78,10 +84,11 @@ void Console::draw(std::string_view stage, double fraction) {
   }
   last_drawn_ = now;
   drawn_ = true;
-  const double share = std::clamp(fraction, 0.0, 1.0);
   std::string line = fmt::format("\r\033[K{} {:.0f} %", stage_, 100.0 * share);
-  if (taken > kGuessAfter && share > 0.02) {
-    line += ", " + duration(taken * (1.0 - share) / share) + " left";
+  const double gained = share - marks_[0].share;
+  const double lately = seconds_between(marks_[0].time, now);
+  if (lately > kGuessAfter && gained > 1e-3) {
+    line += ", " + duration(lately * (1.0 - share) / gained) + " left";
   }
   std::fputs(line.c_str(), stderr);
   std::fflush(stderr);

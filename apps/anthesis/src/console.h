@@ -1,4 +1,5 @@
 #pragma once
+#include <array>
 #include <chrono>
 #include <nlohmann/json.hpp>
 #include <string>
@@ -44,6 +45,12 @@ class Console {
  private:
   using Clock = std::chrono::steady_clock;
 
+  /// How far a stage had come at a time.
+  struct Mark {
+    Clock::time_point time;
+    double share = 0.0;
+  };
+
   void draw(std::string_view stage, double fraction);
   void clear();
 
@@ -51,6 +58,7 @@ class Console {
   bool drawn_ = false;
   std::string stage_;
   Clock::time_point stage_began_ = Clock::now();
+  std::array<Mark, 2> marks_;  ///< older first: how fast the stage has been of late
   Clock::time_point last_drawn_ = Clock::now();
 };
 

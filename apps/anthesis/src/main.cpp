@@ -67,7 +67,8 @@ void run(int argc, char** argv, Console& console) {
       "  anthesis render sunflower -o sunflower.png --view side\n"
       "  anthesis species");
   app.get_formatter()->column_width(28);
-  const std::array<Command, 4> commands = {add_grow(app), add_pattern(app), add_render(app), add_species(app)};
+  const std::array<Command, 5> commands = {add_grow(app), add_pattern(app), add_render(app), add_species(app),
+                                           add_check(app)};
   app.require_subcommand(1);
 
   if (argc > 1 && argv[1][0] != '-') {
@@ -114,6 +115,8 @@ int main(int argc, char** argv) {
   try {
     run(argc, argv, console);
     return kDone;
+  } catch (const Answer& answer) {
+    return answer.status;
   } catch (const Failure& failure) {
     console.say("anthesis: " + failure.message);
     return failure.status;

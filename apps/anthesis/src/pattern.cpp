@@ -56,7 +56,7 @@ std::string bead_picture(const Development& development, double time, const Prog
   const Camera camera = frame(scene, View::top(), kSide, kSide);
   scene.lighting = studio_lighting(camera);
   return value_of(encode_png(value_of(trace(scene, camera, RenderOptions::draft(kSide, kSide), progress)),
-                             provenance_texts(development, time)));
+                             provenance_texts(development, time, false)));
 }
 
 void run_species(const Arguments& arguments, Console& console) {

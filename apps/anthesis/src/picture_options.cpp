@@ -71,7 +71,13 @@ Photographer::Photographer(const PictureOptions& options) : exposure_ev_(options
   scene_.ground = options.ground;
 }
 
-Image Photographer::expose(Scene scene, const Scene& framed, const Progress& progress) {
+Scene Photographer::pose(const Development& development, const Canopy& canopy, const Development* finer) const {
+  SceneOptions options = scene_;
+  options.finer = finer;
+  return make_scene(development, canopy, options);
+}
+
+Image Photographer::photograph(Scene scene, const Scene& framed, const Progress& progress) const {
   const Camera camera = frame(framed, view_, render_.width, render_.height);
   scene.lighting = studio_lighting(camera);
   RenderOptions options = render_;
@@ -79,18 +85,8 @@ Image Photographer::expose(Scene scene, const Scene& framed, const Progress& pro
   return develop(value_of(trace(scene, camera, options, progress)));
 }
 
-Image Photographer::photograph(const Development& development, double time, double framed_time,
-                               const Progress& progress) {
-  Scene scene = make_scene(development, development.at(time), scene_);
-  if (time == framed_time) {
-    const Scene framed = scene;
-    return expose(std::move(scene), framed, progress);
-  }
-  return expose(std::move(scene), make_scene(development, development.at(framed_time), scene_), progress);
-}
-
 Image Photographer::photograph(const Species& species, std::size_t kind, double detail, double stage,
-                               bool frame_all_stages, const Progress& progress) {
+                               bool frame_all_stages, const Progress& progress) const {
   const auto scene_at = [&](double at) { return value_of(make_organ_scene(species, kind, at, detail, scene_)); };
   Scene framed = scene_at(stage);
   if (frame_all_stages) {
@@ -102,24 +98,21 @@ Image Photographer::photograph(const Species& species, std::size_t kind, double 
       framed.instances.push_back(std::move(other.instances[0]));
     }
   }
-  return expose(scene_at(stage), framed, progress);
+  return photograph(scene_at(stage), framed, progress);
 }
 
-std::string Photographer::take(const Development& development, double time, double framed_time,
-                               const Progress& progress) {
-  return value_of(
-      encode_png(photograph(development, time, framed_time, progress), provenance_texts(development, time)));
-}
-
-std::vector<PngText> provenance_texts(const Development& development, double time) {
-  const Species& species = development.species();
+std::vector<PngText> provenance_texts(const Development& drawn, double time, bool resolved) {
+  const Species& species = drawn.species();
   std::vector<PngText> texts = {{"Software", std::string("Anthesis ") + kVersion},
                                 {"Species", species.name},
-                                {"Seed", std::to_string(development.options().seed)},
-                                {"Detail", to_text(development.options().detail)},
+                                {"Seed", std::to_string(drawn.options().seed)},
+                                {"Detail", to_text(drawn.options().detail)},
                                 {"Time", to_text(time)}};
   if (!species.sha256.empty()) {
     texts.push_back({"Species-SHA256", species.sha256});
+  }
+  if (resolved) {
+    texts.push_back({"Collisions", "resolved"});
   }
   return texts;
 }

@@ -10,6 +10,9 @@
 
 namespace anthesis::cli {
 
+/// Level of detail that pictures are drawn at: outlines show facets in a large picture that nobody sees in a model.
+inline constexpr double kPictureDetail = 2.0;
+
 /// The flags that say how a picture is taken.
 struct PictureOptions {
   std::string view = "three-quarter";
@@ -31,26 +34,24 @@ class Photographer {
   /// Throws a Failure of usage where a flag's word or size is not known. The plant may still have to be grown.
   explicit Photographer(const PictureOptions& options);
 
-  /// The plant at `time`. The camera stands where it frames the plant at `framed_time`.
-  Image photograph(const Development& development, double time, double framed_time, const Progress& progress);
+  /// The plant as it stands for a picture. `finer`: see SceneOptions.
+  Scene pose(const Development& development, const Canopy& canopy, const Development* finer) const;
+
+  /// A picture of `scene`. The camera stands where it frames `framed`.
+  Image photograph(Scene scene, const Scene& framed, const Progress& progress) const;
 
   /// One kind of organ alone at `stage`, the camera where it frames it at that stage, or at all stages.
   Image photograph(const Species& species, std::size_t kind, double detail, double stage, bool frame_all_stages,
-                   const Progress& progress);
-
-  /// The same as the bytes of a PNG.
-  std::string take(const Development& development, double time, double framed_time, const Progress& progress);
+                   const Progress& progress) const;
 
  private:
-  Image expose(Scene scene, const Scene& framed, const Progress& progress);
-
   View view_;
   RenderOptions render_;
   SceneOptions scene_;
   double exposure_ev_ = 0.0;
 };
 
-/// The texts that every PNG carries: what made it, of what.
-std::vector<PngText> provenance_texts(const Development& development, double time);
+/// The texts that every PNG carries: what made it, of what. `resolved`: its organs were kept apart.
+std::vector<PngText> provenance_texts(const Development& drawn, double time, bool resolved);
 
 }  // namespace anthesis::cli

@@ -2,10 +2,12 @@
 
 #include <algorithm>
 #include <array>
+#include <functional>
 #include <optional>
 #include <vector>
 
 #include "anthesis/base/parallel.h"
+#include "collision_options.h"
 #include "growth.h"
 #include "outputs.h"
 #include "picture_options.h"
@@ -14,9 +16,11 @@ namespace anthesis::cli {
 namespace {
 
 constexpr std::array<std::string_view, 1> kFormats = {"png"};
+constexpr double kCollisionDetail = 1.0;
 
 struct Arguments {
   GrowthArguments growth;
+  CollisionArguments collisions;
   PictureOptions picture;
   std::vector<std::string> outputs;
   std::optional<double> at;
@@ -38,8 +42,35 @@ std::size_t kind_named(const Species& species, const std::string& name) {
 }
 
 /// The file of one of several pictures: flower_0012.png.
-std::string numbered(const std::string& path, int frame) {
+std::string numbered(const std::string& path, std::size_t frame) {
   return fmt::format("{}_{:04d}.png", without_extension(path), frame);
+}
+
+/// The picture at the i-th time.
+using Take = std::function<Image(std::size_t i, const Progress& progress)>;
+
+/// Takes the pictures and writes them as the flags say.
+void write_pictures(const Arguments& arguments, const std::vector<double>& times, const Take& take,
+                    const std::function<std::vector<PngText>(double time)>& texts, Report& report,
+                    const Progress& progress) {
+  const std::string& path = arguments.outputs.front();
+  std::vector<Image> images;
+  for (std::size_t i = 0; i < times.size(); ++i) {
+    const std::string stage = arguments.frames ? fmt::format("picture {} of {}: ", i + 1, times.size()) : "";
+    const Progress watch = [&](std::string_view part, double fraction) {
+      return progress(stage + std::string(part), fraction);
+    };
+    images.push_back(report.time("render", [&] { return take(i, watch); }));
+    if (!arguments.columns) {
+      write_output(report, arguments.frames ? numbered(path, i) : path,
+                   value_of(encode_png(images.back(), texts(times[i]))));
+      images.clear();
+    }
+  }
+  if (arguments.columns) {
+    const Image sheet = contact_sheet(images, std::min(*arguments.columns, *arguments.frames));
+    write_output(report, path, value_of(encode_png(sheet, texts(times.back()))));
+  }
 }
 
 void run(const Arguments& arguments, Console& console) {
@@ -52,51 +83,50 @@ void run(const Arguments& arguments, Console& console) {
   if (arguments.columns && !arguments.frames) {
     throw usage("--columns is for the pictures of --frames: give both");
   }
-  const Output output = check_outputs(arguments.outputs, kFormats).front();
-  Photographer photographer(arguments.picture);
+  const bool resolving = !arguments.collisions.none && arguments.organ.empty();
+  arguments.collisions.check(resolving);
+  check_outputs(arguments.outputs, kFormats);
+  const Photographer photographer(arguments.picture);
 
   const ThreadLimit threads(arguments.growth.threads);
   const Progress progress = console.progress();
   Report report;
   const Species species = report.time("species", [&] { return find_plant(arguments.growth.species); });
-  const Development development = grow(arguments.growth, species, report, progress);
-  describe_plant(development, arguments.at.value_or(1.0), report);
+  const Development drawn = grow(arguments.growth, species, report, progress);
+  describe_plant(drawn, arguments.at.value_or(1.0), report);
+  const std::vector<double> times =
+      arguments.frames ? even_times(*arguments.frames) : std::vector<double>{arguments.at.value_or(1.0)};
+  report.values["frames"] = times.size();
+  const auto texts = [&](double time) { return provenance_texts(drawn, time, resolving); };
 
-  const std::optional<std::size_t> kind =
-      arguments.organ.empty() ? std::nullopt : std::optional(kind_named(species, arguments.organ));
-  const auto photograph = [&](double time, double framed_time, const Progress& watch) {
-    return report.time("render", [&] {
-      return kind ? photographer.photograph(species, *kind, arguments.growth.detail, time, arguments.frames.has_value(),
-                                            watch)
-                  : photographer.photograph(development, time, framed_time, watch);
-    });
-  };
-  const auto write = [&](const std::string& path, const Image& image, double time) {
-    write_output(report, path, value_of(encode_png(image, provenance_texts(development, time))));
-  };
-  if (arguments.frames) {
-    const int count = *arguments.frames;
-    report.values["frames"] = count;
-    std::vector<Image> images;
-    for (int i = 0; i < count; ++i) {
-      const double time = count > 1 ? static_cast<double>(i) / (count - 1) : 1.0;
-      const std::string stage = fmt::format("picture {} of {}:", i + 1, count);
-      const Progress watch = [&](std::string_view part, double fraction) {
-        return progress(stage + ' ' + std::string(part), fraction);
-      };
-      images.push_back(photograph(time, 1.0, watch));
-      if (!arguments.columns) {
-        write(numbered(output.path, i), images.back(), time);
-        images.clear();
-      }
-    }
-    if (arguments.columns) {
-      write(output.path, contact_sheet(images, std::min(*arguments.columns, count)), 1.0);
-    }
+  if (!arguments.organ.empty()) {
+    const std::size_t kind = kind_named(species, arguments.organ);
+    const auto take = [&](std::size_t i, const Progress& watch) {
+      return photographer.photograph(species, kind, arguments.growth.detail, times[i], arguments.frames.has_value(),
+                                     watch);
+    };
+    write_pictures(arguments, times, take, texts, report, progress);
   } else {
-    const double time = arguments.at.value_or(1.0);
-    write(output.path, photograph(time, time, progress), time);
+    // Touching is found at a lower level of detail than is drawn: its cost grows faster than what is seen of it.
+    std::optional<Development> touching;
+    if (resolving && arguments.growth.detail > kCollisionDetail) {
+      GrowthArguments coarser = arguments.growth;
+      coarser.detail = kCollisionDetail;
+      touching.emplace(grow(coarser, species, report, progress));
+    }
+    const Development& development = touching ? *touching : drawn;
+    const std::vector<Canopy> canopies = resolving ? resolve(development, times, arguments.collisions, report, progress)
+                                                   : canopies_at(development, times);
+    const auto pose = [&](const Canopy& canopy) {
+      return photographer.pose(development, canopy, touching ? &drawn : nullptr);
+    };
+    const Scene framed = report.time("render", [&] { return pose(canopies.back()); });
+    const auto take = [&](std::size_t i, const Progress& watch) {
+      return photographer.photograph(i + 1 == times.size() ? framed : pose(canopies[i]), framed, watch);
+    };
+    write_pictures(arguments, times, take, texts, report, progress);
   }
+  arguments.collisions.forget();
   if (arguments.growth.json) {
     print(report.text());
   }
@@ -113,7 +143,7 @@ Command add_render(CLI::App& app) {
                                   "  anthesis render daisy -o floret.png --organ disk_floret --at 0.6 --view side");
   auto arguments = std::make_shared<Arguments>();
   add_outputs(*command, arguments->outputs, kFormats);
-  arguments->growth.detail = 2.0;  // outlines show facets in a large picture that nobody sees in a model
+  arguments->growth.detail = kPictureDetail;
   arguments->growth.add_to(*command, true);
   add_number(*command, "--at", arguments->at, {0.0, 1.0}, "Time of development: 0 bud, 1 bloom; 1 if left out");
   add_whole(*command, "--frames", arguments->frames, 1, 1000,
@@ -124,6 +154,7 @@ Command add_render(CLI::App& app) {
       ->add_option("--organ", arguments->organ,
                    "One kind of organ alone, as the species file states it; --at and --frames are then its stages")
       ->type_name("NAME");
+  arguments->collisions.add_to(*command, ", at detail 1 at most");
   arguments->picture.add_to(*command);
   return {command, [arguments](Console& console) { run(*arguments, console); }};
 }

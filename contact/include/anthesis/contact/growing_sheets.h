@@ -26,8 +26,8 @@ struct GrowingBody {
 struct GrowingOptions {
   int sweeps = 10;            ///< of all constraints in one pass, 1 to 1000
   double piece = 0.25;        ///< longest move of a vertex in one pass, as a share of its organ's mean edge, (0, 1]
-  int settling_passes = 4;    ///< at most, once the targets are reached, 0 to 10000
-  double residual_mm = 0.01;  ///< steady: no vertex moves farther than this in a pass, nor than 2 % of a mean edge
+  int settling_passes = 8;    ///< at most, once the targets are reached, 0 to 10000
+  double residual_mm = 0.02;  ///< steady: no vertex moves farther than this in a pass, nor than 3 % of a mean edge
 };
 
 /// What a step of growth took.
@@ -35,7 +35,7 @@ struct GrowthStep {
   int passes = 0;
   std::uint64_t contacts = 0;   ///< pairs near enough to matter, summed over the passes
   std::uint64_t shortened = 0;  ///< moves of vertices cut short by the guarantee, summed over the passes
-  double residual_mm = 0.0;     ///< longest move of a vertex in the last pass
+  double residual_mm = 0.0;     ///< longest move of a vertex beyond growth in the last pass
 };
 
 /// Growing position-based dynamics with contact (O16 section 3): sheets follow target shapes that grow, and give way to
@@ -88,6 +88,7 @@ class GrowingSheets {
     std::vector<Vec3> positions_mm;
     std::vector<Vec3> targets_mm;
     std::vector<std::uint8_t> awake;  ///< one for each body
+    std::vector<std::uint8_t> bent;   ///< as many as were there at the last pass: not as the target is
     std::vector<double> wanted_mm;    ///< one for each vertex: how far it would have gone in the last pass
   };
   Snapshot snapshot() const;
