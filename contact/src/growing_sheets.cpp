@@ -16,7 +16,7 @@ namespace {
 
 constexpr int kMaxPieces = 400;          // of one step: beyond that, longer moves
 constexpr double kLongestRide_mm = 0.1;  // that what a body stands on may move in one pass
-constexpr int kSweepsPerLook = 4;        // contacts that do not press are looked at again after so many sweeps
+constexpr int kSweepsPerLook = 5;        // contacts that do not press are looked at again after so many sweeps
 constexpr double kOverRelaxation = 1.3;  // of contacts: their corrections are averaged, which is slow
 constexpr double kWithinShare = 0.1;     // of its mean edge that parts of an organ keep between them at most
 constexpr double kCrowdedShare = 0.7;    // of the spacing: what is nearer to something that moves wakes

@@ -23,9 +23,9 @@ struct MovingBody {
 class StepFilter {
  public:
   /// `contacts`: at `from_mm`, which is crossing-free, all pairs of different bodies that see each other when each
-  /// vertex looks as far around as `reach_mm` says, and all pairs within bodies by `within_reach_mm`. `bodies` in the
-  /// order of the contacts' indices. Shortens the moves from `from_mm` to `to_mm`; returns the number of vertices whose
-  /// move was cut.
+  /// vertex looks as far around as `reach_mm` says, and all pairs within bodies by `within_reach_mm`. A reach is at
+  /// least the body's ride and half the least gap. `bodies` in the order of the contacts' indices. Shortens the moves
+  /// from `from_mm` to `to_mm`; returns the number of vertices whose move was cut.
   std::uint64_t apply(std::span<const Contact> contacts, std::span<const MovingBody> bodies,
                       std::span<const double> reach_mm, std::span<const double> within_reach_mm,
                       std::span<const Vec3> from_mm, std::span<Vec3> to_mm);

@@ -13,7 +13,8 @@
 namespace anthesis {
 
 /// No two vertices, edges or triangles come nearer than this by what GrowingSheets does; so positions may be rounded to
-/// a lattice of a quarter of it without a crossing. Things that are nearer from the start are not brought nearer.
+/// a lattice of a quarter of it without a crossing (two points close in by at most 0.43 of it). Things that are nearer
+/// from the start are not brought nearer.
 inline constexpr double kLeastGap_mm = 2.5e-4;
 
 /// An organ among others, or a body such as the receptacle.
