@@ -8,12 +8,14 @@
 #include <benchmark/benchmark.h>
 
 #include <array>
+#include <cmath>
 #include <cstdlib>
 #include <fstream>
 #include <memory>
 #include <string>
 #include <vector>
 
+#include "anthesis/base/math.h"
 #include "anthesis/base/parallel.h"
 #include "anthesis/contact/detector.h"
 #include "anthesis/contact/elastic_batch.h"
@@ -137,6 +139,61 @@ BENCHMARK(BM_PassAndAudit)
     ->Unit(benchmark::kMillisecond)
     ->MeasureProcessCPUTime()
     ->UseRealTime();
+
+// Cost by size --------------------------------------------------------------------------------------------------------
+
+/// A disc of tubular florets on Vogel's spiral that grow by a half into each other: cost should be near-linear in their
+/// number.
+void BM_Florets(benchmark::State& state) {
+  constexpr int kSides = 6;
+  constexpr int kRings = 7;
+  std::vector<Triangle> triangles;
+  for (std::uint32_t ring = 0; ring + 1 < kRings; ++ring) {
+    for (std::uint32_t side = 0; side < kSides; ++side) {
+      const std::uint32_t a = ring * kSides + side;
+      const std::uint32_t b = ring * kSides + (side + 1) % kSides;
+      triangles.push_back({a, b, b + kSides});
+      triangles.push_back({a, b + kSides, a + kSides});
+    }
+  }
+  Sheet sheet = make_sheet(kSides * kRings, triangles);
+  for (std::uint32_t i = 0; i < 2 * kSides; ++i) {
+    sheet.attached.push_back(i);
+    sheet.attachment_stiffness.push_back(0.5);
+  }
+  const auto florets = static_cast<std::size_t>(state.range(0));
+  const auto targets_at = [&](double size) {
+    std::vector<Vec3> targets;
+    for (std::size_t k = 0; k < florets; ++k) {
+      const double radius = 1.6 * std::sqrt(static_cast<double>(k) + 0.5);
+      const math::SinCos azimuth = math::sin_cos(2.39996322972865332 * static_cast<double>(k));
+      for (int i = 0; i < kSides * kRings; ++i) {
+        const double height = static_cast<double>(i / kSides) / (kRings - 1);
+        const math::SinCos around = math::sin_cos(math::kTurnRad * (i % kSides) / kSides);
+        const double wide = size * (0.6 + 0.9 * height * height);
+        targets.push_back(
+            {radius * azimuth.cos + wide * around.cos, radius * azimuth.sin + wide * around.sin, 6.0 * size * height});
+      }
+    }
+    return targets;
+  };
+  std::uint64_t crossings = 0;
+  for (auto _ : state) {
+    GrowingSheets sheets({sheet}, {});
+    const std::vector<Vec3> begin = targets_at(0.8);
+    for (std::size_t k = 0; k < florets; ++k) {
+      sheets.enter({0, 0.04}, std::span(begin).subspan(k * kSides * kRings, kSides * kRings), {});
+    }
+    for (int step = 1; step <= 10; ++step) {
+      benchmark::DoNotOptimize(sheets.advance(targets_at(0.8 + 0.04 * step)));
+    }
+    crossings += sheets.audit()->count;
+  }
+  state.counters["crossings"] = static_cast<double>(crossings);
+  state.counters["us_per_floret"] = benchmark::Counter(
+      static_cast<double>(florets) * 1e-6, benchmark::Counter::kIsIterationInvariantRate | benchmark::Counter::kInvert);
+}
+BENCHMARK(BM_Florets)->RangeMultiplier(2)->Range(128, 2048)->Unit(benchmark::kMillisecond)->UseRealTime();
 
 // Its parts -----------------------------------------------------------------------------------------------------------
 

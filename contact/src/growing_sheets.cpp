@@ -16,7 +16,7 @@ namespace {
 
 constexpr int kMaxPieces = 400;          // of one step: beyond that, longer moves
 constexpr double kLongestRide_mm = 0.1;  // that what a body stands on may move in one pass
-constexpr int kSweepsPerLook = 5;        // contacts that do not press are looked at again after so many sweeps
+constexpr int kSweepsPerLook = 8;        // contacts that do not press are looked at again after so many sweeps
 constexpr double kOverRelaxation = 1.3;  // of contacts: their corrections are averaged, which is slow
 constexpr double kWithinShare = 0.1;     // of its mean edge that parts of an organ keep between them at most
 constexpr double kCrowdedShare = 0.7;    // of the spacing: what is nearer to something that moves wakes
@@ -502,7 +502,7 @@ void GrowingSheets::State::look_for_pressure() {
   parallel_for((contacts.size() + kChunk - 1) / kChunk, [&](std::size_t chunk) {
     for (std::size_t c = chunk * kChunk; c < std::min(contacts.size(), (chunk + 1) * kChunk); ++c) {
       const bool matters = mobile(contacts[c].first_body) || mobile(contacts[c].second_body);
-      pressing[c] = matters && missing(static_cast<std::uint32_t>(c)) > -0.5 * spacing[c];
+      pressing[c] = matters && missing(static_cast<std::uint32_t>(c)) > -spacing[c];
     }
   });
   active.clear();

@@ -56,12 +56,11 @@ void StepFilter::split(std::span<const MovingBody> bodies, std::span<const doubl
   });
 }
 
-/// Whether the contact cut anything. Sets `held` when the two would meet.
-bool StepFilter::check(const Contact& contact, bool& held, std::span<const MovingBody> bodies,
-                       std::span<const Vec3> from) {
+/// Where the vertices of a contact are along its normal, and what they would do.
+StepFilter::Along StepFilter::along(const Contact& contact, std::span<const MovingBody> bodies,
+                                    std::span<const Vec3> from) const {
   const int firsts = contact.edges ? 2 : 1;
-  const bool within = contact.first_body == contact.second_body;
-  std::array<double, 4> height;  // of each vertex along the normal, from the first one's
+  std::array<double, 4> height;  // from the first vertex's
   double nearest_first = 0.0;
   double nearest_second = 0.0;
   for (int k = 0; k < 4; ++k) {
@@ -69,50 +68,55 @@ bool StepFilter::check(const Contact& contact, bool& held, std::span<const Movin
     (k < firsts ? nearest_first : nearest_second) += contact.weights[k] * height[k];
   }
   nearest_second = -nearest_second;
-  // How far each vertex lies behind the nearest point of its own side, and what it would do along the normal.
-  std::array<double, 4> behind;
-  std::array<double, 4> own;
+  Along line;
   for (int k = 0; k < 4; ++k) {
-    behind[k] = std::max(0.0, k < firsts ? height[k] - nearest_first : nearest_second - height[k]);
-    own[k] = dot(contact.normal, own_[contact.vertices[k]]);
+    line.behind[k] = std::max(0.0, k < firsts ? height[k] - nearest_first : nearest_second - height[k]);
+    line.own[k] = dot(contact.normal, own_[contact.vertices[k]]);
   }
-  const double first_ride = within ? 0.0 : dot(contact.normal, bodies[contact.first_body].ride_mm);
-  const double second_ride = within ? 0.0 : dot(contact.normal, bodies[contact.second_body].ride_mm);
-  const double room = std::max(0.0, contact.gap_mm - kLeastGap_mm);
+  if (contact.first_body != contact.second_body) {
+    line.first_ride = dot(contact.normal, bodies[contact.first_body].ride_mm);
+    line.second_ride = dot(contact.normal, bodies[contact.second_body].ride_mm);
+  }
+  line.room = std::max(0.0, contact.gap_mm - kLeastGap_mm);
+  return line;
+}
+
+/// Whether the two would meet, or come so near that it cannot be ruled out: there is no plane between them that moves
+/// along with them. They may close in on each other, not on the plane's place.
+bool StepFilter::would_meet(const Contact& contact, const Along& line) const {
+  const int firsts = contact.edges ? 2 : 1;
   double first_low = std::numeric_limits<double>::infinity();
   double second_high = -std::numeric_limits<double>::infinity();
   for (int k = 0; k < 4; ++k) {
-    const double moved = own_shares_.share[contact.vertices[k]] * own[k];
+    const double moved = own_shares_.share[contact.vertices[k]] * line.own[k];
     if (k < firsts) {
-      first_low = std::min(first_low, behind[k] + moved);
+      first_low = std::min(first_low, line.behind[k] + moved);
     } else {
-      second_high = std::max(second_high, moved - behind[k]);
+      second_high = std::max(second_high, moved - line.behind[k]);
     }
   }
-  first_low += ride_shares_.share[contact.first_body] * first_ride;
-  second_high += ride_shares_.share[contact.second_body] * second_ride;
-  // A plane between the two that moves along with them: they may close in on each other, not on the plane's place.
-  if (second_high - first_low <= 2.0 * kShareOfRoom * room) {
-    return false;
-  }
-  // They would meet: from now on the plane stands still (or rides with the body, for parts of one), and each keeps to
-  // its side of it: its ride and its own move to half of that each, where there is a ride.
-  held = true;
+  first_low += ride_shares_.share[contact.first_body] * line.first_ride;
+  second_high += ride_shares_.share[contact.second_body] * line.second_ride;
+  return second_high - first_low > 2.0 * kShareOfRoom * line.room;
+}
+
+/// From now on the plane stands still (or rides with the body, for parts of one), and each keeps to its side of it: its
+/// ride and its own move to half of that each, where there is a ride. Returns whether anything was cut.
+bool StepFilter::hold(const Contact& contact, const Along& line) {
+  const int firsts = contact.edges ? 2 : 1;
   bool cut = false;
-  const double allowed = kShareOfRoom * room;
+  const double allowed = kShareOfRoom * line.room;
   const auto cut_ride = [&](std::uint32_t body, double towards) {
     if (towards > 0.0 && towards * ride_shares_.share[body] > 0.5 * allowed) {
       cut = ride_shares_.cut(body, 0.5 * allowed / towards) || cut;
     }
   };
-  if (!within) {
-    cut_ride(contact.first_body, -first_ride);
-    cut_ride(contact.second_body, second_ride);
-  }
+  cut_ride(contact.first_body, -line.first_ride);
+  cut_ride(contact.second_body, line.second_ride);
   for (int k = 0; k < 4; ++k) {
-    const double towards = k < firsts ? -own[k] : own[k];
-    const bool rides = !within && (k < firsts ? -first_ride : second_ride) > 0.0;
-    const double most = (rides ? 0.5 : 1.0) * allowed + behind[k];
+    const double towards = k < firsts ? -line.own[k] : line.own[k];
+    const bool rides = (k < firsts ? -line.first_ride : line.second_ride) > 0.0;
+    const double most = (rides ? 0.5 : 1.0) * allowed + line.behind[k];
     if (towards * own_shares_.share[contact.vertices[k]] > most) {
       cut = own_shares_.cut(contact.vertices[k], most / towards) || cut;
     }
@@ -127,19 +131,30 @@ std::uint64_t StepFilter::apply(std::span<const Contact> contacts, std::span<con
   own_shares_.reset(from.size());
   ride_shares_.reset(bodies.size());
   held_.assign(contacts.size(), 0);
+  constexpr std::size_t kChunk = 4096;
+  meeting_.resize((contacts.size() + kChunk - 1) / kChunk);
   for (bool again = true; again;) {
-    again = false;
-    for (std::size_t c = 0; c < contacts.size(); ++c) {
-      const Contact& contact = contacts[c];
-      const auto& v = contact.vertices;
-      const auto& changed = own_shares_.changed;
-      if (held_[c] || !(changed[v[0]] | changed[v[1]] | changed[v[2]] | changed[v[3]] |
-                        ride_shares_.changed[contact.first_body] | ride_shares_.changed[contact.second_body])) {
-        continue;
+    // Who would meet with the shares as they are; then, in order, whatever that cuts.
+    parallel_for(meeting_.size(), [&](std::size_t chunk) {
+      meeting_[chunk].clear();
+      for (std::size_t c = chunk * kChunk; c < std::min(contacts.size(), (chunk + 1) * kChunk); ++c) {
+        const Contact& contact = contacts[c];
+        const auto& v = contact.vertices;
+        const auto& changed = own_shares_.changed;
+        const bool ask =
+            !held_[c] && (changed[v[0]] | changed[v[1]] | changed[v[2]] | changed[v[3]] |
+                          ride_shares_.changed[contact.first_body] | ride_shares_.changed[contact.second_body]) != 0;
+        if (ask && would_meet(contact, along(contact, bodies, from))) {
+          meeting_[chunk].push_back(static_cast<std::uint32_t>(c));
+        }
       }
-      bool held = false;
-      again = check(contact, held, bodies, from) || again;
-      held_[c] = held;
+    });
+    again = false;
+    for (const std::vector<std::uint32_t>& found : meeting_) {
+      for (const std::uint32_t c : found) {
+        held_[c] = 1;
+        again = hold(contacts[c], along(contacts[c], bodies, from)) || again;
+      }
     }
     for (Shares* shares : {&own_shares_, &ride_shares_}) {
       std::swap(shares->changed, shares->changes);

@@ -1,4 +1,5 @@
 #pragma once
+#include <array>
 #include <cstdint>
 #include <span>
 #include <vector>
@@ -42,12 +43,24 @@ class StepFilter {
 
   void split(std::span<const MovingBody> bodies, std::span<const double> reach_mm,
              std::span<const double> within_reach_mm, std::span<const Vec3> from_mm, std::span<const Vec3> to_mm);
-  bool check(const Contact& contact, bool& held, std::span<const MovingBody> bodies, std::span<const Vec3> from_mm);
 
-  std::vector<Vec3> own_;           ///< by vertex: its move beyond the ride
-  Shares own_shares_;               ///< by vertex
-  Shares ride_shares_;              ///< by body
-  std::vector<std::uint8_t> held_;  ///< contacts whose plane stands still
+  /// A contact along its normal, from the second towards the first.
+  struct Along {
+    std::array<double, 4> behind;  ///< how far each vertex lies behind the nearest point of its own side
+    std::array<double, 4> own;     ///< own move of each vertex
+    double first_ride = 0.0;       ///< 0 within a body
+    double second_ride = 0.0;
+    double room = 0.0;  ///< what the two may use
+  };
+  Along along(const Contact& contact, std::span<const MovingBody> bodies, std::span<const Vec3> from_mm) const;
+  bool would_meet(const Contact& contact, const Along& line) const;
+  bool hold(const Contact& contact, const Along& line);
+
+  std::vector<Vec3> own_;                            ///< by vertex: its move beyond the ride
+  Shares own_shares_;                                ///< by vertex
+  Shares ride_shares_;                               ///< by body
+  std::vector<std::uint8_t> held_;                   ///< contacts whose plane stands still
+  std::vector<std::vector<std::uint32_t>> meeting_;  ///< contacts of a round, by chunk
 };
 
 }  // namespace anthesis

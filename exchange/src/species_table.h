@@ -233,7 +233,8 @@ void describe(V& v, Table<Tissue>) {
   const auto stiffness = within(1e-6, 1.0);
   v.number("thickness_mm", &T::thickness_mm, within(0.01, 10.0),
            "Thickness of a grown organ, in mm: organs keep the mean of theirs between them.");
-  v.number("stretch", &T::stretch, stiffness, "Stiffness against change of lengths: share of an error removed at once.");
+  v.number("stretch", &T::stretch, stiffness,
+           "Stiffness against change of lengths: share of an error removed at once.");
   v.number("bend", &T::bend, stiffness, "Stiffness against bending of the midrib: folds that run across.");
   v.number("roll", &T::roll, stiffness, "Stiffness against rolling or flattening: folds that run along.");
   v.number("hold", &T::hold, stiffness, "Stiffness of the attachment at the base.");
