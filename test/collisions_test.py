@@ -134,12 +134,13 @@ class Interruptions(CollisionsTest):
     def test_killed_at_any_moment_the_work_goes_on(self):
         whole, took = self.whole()
         moments = random.Random(1)
-        for _ in range(2):
+        all_kills = 0
+        while all_kills < 20:
             kills = 0
             process = self.start()
             while True:
                 try:
-                    self.assertEqual(process.wait(timeout=moments.uniform(0.05, 0.4) * took), DONE)
+                    self.assertEqual(process.wait(timeout=moments.uniform(0.05, 0.25) * took), DONE)
                     break
                 except subprocess.TimeoutExpired:
                     process.kill()
@@ -147,10 +148,11 @@ class Interruptions(CollisionsTest):
                 kills += 1
                 if os.path.exists(self.path("a.glb")):  # killed while it cleaned up
                     self.expect_same(self.content("a.glb"), whole)
-                self.assertLess(kills, 50)
+                self.assertLess(kills, 200)
                 process = self.start("--resume")
             self.assertEqual(process.communicate(), (b"", b""))
             self.assertGreater(kills, 1)
+            all_kills += kills
             self.expect_same(self.content("a.glb"), whole)
             # Nothing of it is left to be taken up again.
             self.expect(DONE, *self.COMMAND)

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <map>
 #include <memory>
+#include <numeric>
 #include <optional>
 #include <utility>
 
@@ -238,9 +239,11 @@ std::optional<Error> Run::step_to(double time, const Progress& progress, Collisi
   const Canopy canopy = targets_at(time, targets);
   std::size_t next = sheets_->positions_mm().size();
   const std::size_t offset = has_bodies_ ? 1 : 0;
-  std::vector<std::string> stuck;
-  while (sheets_->body_count() < canopy.organs.size() + offset) {
-    const std::size_t body = sheets_->body_count();
+  // Everything that finds no place is named, not only the first: so the bodies that did are remembered.
+  std::vector<std::size_t> inside(sheets_->body_count());
+  std::iota(inside.begin(), inside.end(), std::size_t{0});
+  std::string stuck;
+  for (std::size_t body = inside.size(); body < canopy.organs.size() + offset; ++body) {
     GrowingBody entering;
     Vec3 attachment{};
     if (body < offset) {
@@ -253,21 +256,22 @@ std::optional<Error> Run::step_to(double time, const Progress& progress, Collisi
     }
     const std::size_t count = sheets_->sheets()[entering.sheet].vertex_count;
     const GrowingSheets::Entry entry = sheets_->enter(entering, std::span(targets).subspan(next, count), attachment);
-    if (entry.scale == 0.0) {
-      std::string what = name_of(body);
-      if (entry.crosses_itself) {
-        what += " crosses itself";
-      } else {
-        what += " crosses";
-        for (const std::uint32_t other : entry.in_place) {
-          what += ' ';
-          what += name_of(other);
-        }
-      }
-      return Error{ErrorCode::kCrossing, "collisions",
-                   "found no place to start for an organ at time " + to_text(time) + ": " + what};
-    }
     next += count;
+    if (entry.scale > 0.0) {
+      inside.push_back(body);
+      continue;
+    }
+    stuck += stuck.empty() ? "" : "; ";
+    stuck += name_of(body);
+    stuck += entry.crosses_itself ? " crosses itself" : " crosses";
+    for (const std::uint32_t other : entry.in_place) {
+      stuck += ' ';
+      stuck += name_of(inside[other]);
+    }
+  }
+  if (!stuck.empty()) {
+    return Error{ErrorCode::kCrossing, "collisions",
+                 "must find a place to start for each organ, found none at time " + to_text(time) + ": " + stuck};
   }
   for (std::size_t i = 0; i < canopy.organs.size(); ++i) {
     const OrganState& state = canopy.organs[i];
@@ -279,7 +283,6 @@ std::optional<Error> Run::step_to(double time, const Progress& progress, Collisi
   if (!step) {
     return step.error();
   }
-  ++report.steps;
   report.passes += static_cast<std::uint64_t>(step->passes);
   report.contacts += step->contacts;
   report.residual_mm = std::max(report.residual_mm, step->residual_mm);
@@ -403,7 +406,7 @@ std::optional<Error> Run::follow(std::span<const double> times, const Progress& 
     while (now.seen_mm.size() < times.size() && times[now.seen_mm.size()] == time) {
       see();
     }
-    ++now.next_step;
+    now.report.steps = now.next_step++;
     if (!options_.checkpoint.empty()) {
       now.snapshot = sheets_->snapshot();
       if (auto error = detail::save_checkpoint(options_.checkpoint, run, now, saved_frames)) {
