@@ -5,6 +5,7 @@
 #include <string_view>
 #include <type_traits>
 
+#include "anthesis/base/assert.h"
 #include "anthesis/base/file.h"
 #include "anthesis/base/sha256.h"
 
@@ -16,11 +17,13 @@ namespace fs = std::filesystem;
 constexpr std::string_view kMagic = "anthesis checkpoint 1\n";
 constexpr std::size_t kMaxBytes = std::size_t{8} << 30;
 
+constexpr std::string_view kSuffix = ".checkpoint";
+
 std::string state_file(const std::string& folder) {
-  return (fs::path(folder) / "state.checkpoint").string();
+  return (fs::path(folder) / ("state" + std::string(kSuffix))).string();
 }
 std::string frame_file(const std::string& folder, std::size_t frame) {
-  return (fs::path(folder) / ("frame-" + std::to_string(frame) + ".checkpoint")).string();
+  return (fs::path(folder) / ("frame-" + std::to_string(frame) + std::string(kSuffix))).string();
 }
 
 /// Plain values one after the other, and their hash at the end: a file that was cut short or changed is found out.
@@ -103,7 +106,7 @@ class Reader {
 };
 
 Error damaged(const std::string& path) {
-  return {ErrorCode::kParse, path, "must be a whole checkpoint; it is damaged or not one at all"};
+  return {ErrorCode::kParse, path + ":", "must be a whole checkpoint; it is damaged or not one at all"};
 }
 
 }  // namespace
@@ -118,7 +121,7 @@ std::optional<Error> save_checkpoint(const std::string& folder, const std::strin
   std::error_code failed;
   fs::create_directories(folder, failed);
   if (failed) {
-    return Error{ErrorCode::kIo, folder, "could not be made: " + failed.message()};
+    return Error{ErrorCode::kIo, folder + ":", "cannot make the folder: " + failed.message()};
   }
   for (std::size_t i = frames_saved; i < checkpoint.seen_mm.size(); ++i) {
     Writer writer;
@@ -158,8 +161,9 @@ Expected<Checkpoint> load_checkpoint(const std::string& folder, const std::strin
     return checkpoint;
   }
   const auto other_run = [&](const std::string& path) {
-    return Error{ErrorCode::kInvalidParameter, path,
-                 "must be of the same species, seed, options and version of the program; it is of another run"};
+    return Error{
+        ErrorCode::kInvalidParameter, path + ":",
+        "must be of the same species, seed, detail, times, options and version of the program; it is of another run"};
   };
   const auto bytes = read_file(state_file(folder), kMaxBytes);
   if (!bytes) {
@@ -208,9 +212,19 @@ Expected<Checkpoint> load_checkpoint(const std::string& folder, const std::strin
 }
 
 void remove_checkpoint(const std::string& folder) {
+  ANTHESIS_ASSERT(!folder.empty());
+  // Also what a run that was killed while it wrote left behind: names that go on after these.
   std::error_code ignored;
-  fs::remove(state_file(folder), ignored);
-  for (std::size_t i = 0; fs::remove(frame_file(folder, i), ignored); ++i) {
+  std::vector<fs::path> ours;
+  for (const fs::directory_entry& entry : fs::directory_iterator(folder, ignored)) {
+    const std::string name = entry.path().filename().string();
+    const bool numbered = name.rfind("frame-", 0) == 0 && name.find(kSuffix) != std::string::npos;
+    if (numbered || name.rfind("state" + std::string(kSuffix), 0) == 0) {
+      ours.push_back(entry.path());
+    }
+  }
+  for (const fs::path& path : ours) {
+    fs::remove(path, ignored);
   }
   fs::remove(folder, ignored);  // does nothing to a folder that holds anything else
 }

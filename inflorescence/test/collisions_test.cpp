@@ -338,7 +338,7 @@ TEST_F(Collisions, AnotherRunsCheckpointIsRefusedAndKept) {
   for (const auto& refused : refusals) {
     ASSERT_FALSE(refused);
     EXPECT_EQ(refused.error().code, ErrorCode::kInvalidParameter);
-    EXPECT_THAT(refused.error().message, HasSubstr("must be of the same species, seed, options and version"));
+    EXPECT_THAT(refused.error().message, HasSubstr("must be of the same species, seed, detail, times, options and version"));
   }
   EXPECT_EQ(files(), before);
   EXPECT_EQ(bits_of(frames_at({1.0}, options_for(folder(), true))), bits_of(frames_at({1.0})));
@@ -368,7 +368,7 @@ TEST_F(Collisions, ADamagedCheckpointIsFoundOutAndKept) {
       const auto refused = resolve_collisions(plant(), std::vector<double>{0.1, 1.0}, options_for(folder(), true));
       ASSERT_FALSE(refused) << path << " of " << damaged.size() << " bytes";
       EXPECT_EQ(refused.error().code, ErrorCode::kParse);
-      EXPECT_EQ(refused.error().where, path.string());
+      EXPECT_EQ(refused.error().where, path.string() + ":");
       EXPECT_THAT(refused.error().message, HasSubstr("must be a whole checkpoint"));
       EXPECT_EQ(bytes_of(path), damaged);  // it is not ours to remove
     }
