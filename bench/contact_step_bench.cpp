@@ -211,7 +211,7 @@ BENCHMARK(BM_Pass)
     ->MeasureProcessCPUTime()
     ->UseRealTime();
 
-/// What the pass looks around for: as far as each vertex moves and a quarter more.
+/// What the pass looks around for: as far as each vertex moves and a little more.
 struct Surroundings {
   std::vector<double> reach_mm;
   std::vector<ContactBody> among;
@@ -221,7 +221,7 @@ struct Surroundings {
   Surroundings() {
     const double thickness_mm = kThicknessShare * scene().edge_mm;
     for (std::size_t i = 0; i < scene().from_mm.size(); ++i) {
-      reach_mm.push_back(0.7 * thickness_mm + 1.25 * length(scene().to_mm[i] - scene().from_mm[i]));
+      reach_mm.push_back(0.7 * thickness_mm + 1.05 * length(scene().to_mm[i] - scene().from_mm[i]));
     }
     for (std::uint32_t b = 0; b < scene().bodies; ++b) {
       const std::uint32_t first = b * kVerticesOfBody;

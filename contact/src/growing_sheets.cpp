@@ -24,7 +24,7 @@ constexpr double kLeaningShare = 1.2;    // of the spacing: what is nearer may l
 constexpr double kPressedShare = 0.3;    // of the spacing: a sleeper that something wants to move into so far wakes
 constexpr double kSlackShare = 0.2;      // of the thickness that relaxation may move a vertex beyond its growth
 constexpr double kStillShare = 0.03;     // of its mean edge that an organ at rest moves at most
-constexpr double kRoomToMove = 1.25;     // relaxation may add to growth
+constexpr double kRoomToMove = 1.05;     // relaxation may add to growth
 constexpr double kSmallestScale = 1.0 / 1024.0;
 
 /// What a body does in a pass.
