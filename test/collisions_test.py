@@ -37,6 +37,14 @@ class Certificate(CollisionsTest):
             self.assertEqual(result.status, CROSSINGS)
             self.assertGreater(json.loads(result.out)["crossings"], 10)
 
+    def test_so_do_those_of_every_plant(self):
+        for name, many in [("sunflower", 1000), ("dahlia", 500), ("daisy", 100), ("gaillardia", 100)]:
+            # Gaillardia's organs crowd in the bud, those of the others in the bloom.
+            time_shown = "0.4" if name == "gaillardia" else "1"
+            self.expect(DONE, "grow", name, "-o", "a.ply", "--at", time_shown, "--no-collisions")
+            found = json.loads(self.run_program("check", "a.ply", "--json").out)
+            self.assertGreater(found["crossings"], many, name)
+
     def test_a_table_shows_no_surfaces_and_needs_no_certificate(self):
         report = json.loads(self.expect(DONE, "grow", "sunflower", "-o", "a.csv", "--json").out)
         self.assertIsNone(report["crossings"])
