@@ -6,6 +6,7 @@ import signal
 import struct
 import subprocess
 import time
+import zlib
 
 from program import CROSSINGS, DONE, INTERRUPTED, PROGRAM, USAGE, ProgramTest, main, scene
 
@@ -117,9 +118,42 @@ class Pictures(CollisionsTest):
         self.expect_same(self.content("a.png"), self.content("b.png"), same=False)
 
     def test_pictures_of_a_series_are_pictures_of_their_times(self):
-        self.expect(DONE, "render", scene("bud"), "-o", "a.png", *self.SMALL, "--frames", "3")
-        self.expect(DONE, "render", scene("bud"), "-o", "last.png", *self.SMALL)
+        # Two petals are nowhere larger than at the end, so that the camera stands where it stands for that alone.
+        self.expect(DONE, "render", scene("two_petals"), "-o", "a.png", *self.SMALL, "--frames", "3")
+        self.expect(DONE, "render", scene("two_petals"), "-o", "last.png", *self.SMALL)
         self.expect_same(self.content("a_0002.png"), self.content("last.png"))
+
+    def test_a_flower_that_is_taller_while_it_opens_is_not_cut_off(self):
+        self.expect(DONE, "render", scene("bud"), "-o", "a.png", *self.SMALL, "--frames", "6", "--backdrop", "none")
+        for frame in range(6):
+            coverage = self.coverage(f"a_{frame:04d}.png")
+            self.assertTrue(any(map(any, coverage)))
+            self.assertFalse(any(coverage[0]), f"frame {frame} touches the upper border")
+            self.assertFalse(any(row[0] or row[-1] for row in coverage), f"frame {frame} touches a side")
+
+    def coverage(self, name):
+        """Rows of the alpha channel of a PNG of four channels of 8 bits."""
+        content = self.content(name)
+        width, height, depth, kind = struct.unpack_from(">IIBB", content, 16)
+        self.assertEqual((depth, kind), (8, 6))
+        data, place = b"", 8
+        while place < len(content):
+            size, = struct.unpack_from(">I", content, place)
+            if content[place + 4:place + 8] == b"IDAT":
+                data += content[place + 8:place + 8 + size]
+            place += 12 + size
+        data = zlib.decompress(data)
+        stride = 4 * width
+        rows, above = [], [0] * stride
+        for y in range(height):
+            kind, *row = data[y * (stride + 1):(y + 1) * (stride + 1)]
+            for x in range(stride):
+                left, corner = (row[x - 4], above[x - 4]) if x >= 4 else (0, 0)
+                nearest = min((left, above[x], corner), key=lambda v: abs(left + above[x] - corner - v))
+                row[x] = (row[x] + [0, left, above[x], (left + above[x]) // 2, nearest][kind]) & 255
+            rows.append(row[3::4])
+            above = row
+        return rows
 
 
 class Interruptions(CollisionsTest):

@@ -1,6 +1,7 @@
 #include "picture_options.h"
 
 #include <array>
+#include <iterator>
 
 #include "anthesis/base/math.h"
 #include "anthesis/base/version.h"
@@ -92,13 +93,19 @@ Image Photographer::photograph(const Species& species, std::size_t kind, double 
   if (frame_all_stages) {
     constexpr int kStages = 10;
     for (int i = 0; i <= kStages; ++i) {
-      Scene other = scene_at(static_cast<double>(i) / kStages);
-      other.instances[0].mesh = static_cast<std::uint32_t>(framed.meshes.size());
-      framed.meshes.push_back(std::move(other.meshes[0]));
-      framed.instances.push_back(std::move(other.instances[0]));
+      add_to(framed, scene_at(static_cast<double>(i) / kStages));
     }
   }
   return photograph(scene_at(stage), framed, progress);
+}
+
+void add_to(Scene& scene, Scene other) {
+  const auto first = static_cast<std::uint32_t>(scene.meshes.size());
+  for (Instance& instance : other.instances) {
+    instance.mesh += first;
+  }
+  std::move(other.meshes.begin(), other.meshes.end(), std::back_inserter(scene.meshes));
+  std::move(other.instances.begin(), other.instances.end(), std::back_inserter(scene.instances));
 }
 
 std::vector<PngText> provenance_texts(const Development& drawn, double time, bool resolved) {

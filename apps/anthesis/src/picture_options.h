@@ -51,6 +51,9 @@ class Photographer {
   double exposure_ev_ = 0.0;
 };
 
+/// Adds everything that `other` shows to `scene`: to frame several moments at once.
+void add_to(Scene& scene, Scene other);
+
 /// The texts that every PNG carries: what made it, of what. `resolved`: its organs were kept apart.
 std::vector<PngText> provenance_texts(const Development& drawn, double time, bool resolved);
 

@@ -120,9 +120,17 @@ void run(const Arguments& arguments, Console& console) {
     const auto pose = [&](const Canopy& canopy) {
       return photographer.pose(development, canopy, touching ? &drawn : nullptr);
     };
-    const Scene framed = report.time("render", [&] { return pose(canopies.back()); });
+    // A flower may be taller while it opens than when it is open: some twelve moments must fit, the last among them.
+    const Scene framed = report.time("render", [&] {
+      Scene moments = pose(canopies.back());
+      const std::size_t step = std::max<std::size_t>(1, canopies.size() / 12);
+      for (std::size_t i = 0; i + 1 < canopies.size(); i += step) {
+        add_to(moments, pose(canopies[i]));
+      }
+      return moments;
+    });
     const auto take = [&](std::size_t i, const Progress& watch) {
-      return photographer.photograph(i + 1 == times.size() ? framed : pose(canopies[i]), framed, watch);
+      return photographer.photograph(pose(canopies[i]), framed, watch);
     };
     write_pictures(arguments, times, take, texts, report, progress);
   }
