@@ -338,7 +338,8 @@ TEST_F(Collisions, AnotherRunsCheckpointIsRefusedAndKept) {
   for (const auto& refused : refusals) {
     ASSERT_FALSE(refused);
     EXPECT_EQ(refused.error().code, ErrorCode::kInvalidParameter);
-    EXPECT_THAT(refused.error().message, HasSubstr("must be of the same species, seed, detail, times, options and version"));
+    EXPECT_THAT(refused.error().message,
+                HasSubstr("must be of the same species, seed, detail, times, options and version"));
   }
   EXPECT_EQ(files(), before);
   EXPECT_EQ(bits_of(frames_at({1.0}, options_for(folder(), true))), bits_of(frames_at({1.0})));
