@@ -362,6 +362,7 @@ void GrowingSheets::State::carry() {
     const double least_within = bodies[b].fixed ? least_reach : 0.5 * within_spacing[b] + slack;
     const bool relaxes = role[b] == Role::kRelaxes;
     scene[b] = {bodies[b].sheet, first[b], least_reach, {}, role[b] != Role::kRests, false, true};
+    // What only rides sleeps for this detector: no pairs are asked of it, and its bounds are made anew when it wakes.
     within_scene[b] = {bodies[b].sheet, first[b], least_within, {}, relaxes, !bodies[b].fixed, false};
     moving[b] = {first[b], first[b + 1], ride[b], relaxes};
     if (role[b] == Role::kRests) {

@@ -88,11 +88,6 @@ const OrganTemplate& template_of(const Development& development, const OrganStat
   return development.templates()[development.organs()[state.id.value - 1].template_index];
 }
 
-std::string organ_name(const Development& development, OrganId id) {
-  const Organ& organ = development.organs()[id.value - 1];
-  return development.species().organs[organ.kind].name + "." + std::to_string(id.value);
-}
-
 const Pigment& pigment_named(const Species& species, std::string_view name) {
   for (const Pigment& pigment : species.pigments) {
     if (pigment.name == name) {

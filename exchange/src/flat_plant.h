@@ -33,9 +33,6 @@ bool is_resolved(const Canopy& canopy);
 
 const OrganTemplate& template_of(const Development& development, const OrganState& state);
 
-/// "ray_floret.12": the name of an organ in every file.
-std::string organ_name(const Development& development, OrganId id);
-
 /// The pigment of that name; a plain grey one for a name that the species does not have (a body without pigment).
 const Pigment& pigment_named(const Species& species, std::string_view name);
 

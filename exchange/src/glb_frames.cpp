@@ -282,7 +282,7 @@ Expected<std::string> to_glb(const Development& development, std::span<const Can
       const detail::FrameTrack& track = tracks->organs[i];
       const OrganId id = tracks->ids[i];
       const std::uint32_t t = development.organs()[id.value - 1].template_index;
-      const std::string name = detail::organ_name(development, id);
+      const std::string name = organ_name(development, id);
       tinygltf::Node node = writer.organ_node(id, last.time);
       if (templates[t].triangles().empty()) {
         // An organ without surface stays as an empty node at its place, so that the tree of organs is whole.

@@ -100,7 +100,7 @@ Expected<std::string> expected_positions_json(const Development& development, co
     }
     const double morph_mm = kBetweenSamples * (*chains)[organ.template_index].deviation_mm * largest_scale;
     organs.push_back({{"organ", id.value},
-                      {"name", detail::valid_utf8(detail::organ_name(development, id))},
+                      {"name", detail::valid_utf8(organ_name(development, id))},
                       {"vertex_count", shape.vertex_count()},
                       {"vertices", vertices},
                       {"tolerance_m", 0.001 * (morph_mm + rounding_mm)},
@@ -194,7 +194,7 @@ Expected<std::string> expected_positions_json(const Development& development, st
   Json organs = Json::array();
   for (std::size_t i = 0; i < tracks->ids.size(); ++i) {
     const OrganId id = tracks->ids[i];
-    Json organ = item(tracks->organs[i], detail::organ_name(development, id), [&](const Canopy& canopy) {
+    Json organ = item(tracks->organs[i], organ_name(development, id), [&](const Canopy& canopy) {
       const OrganState& state = *detail::organ_in(canopy, id);
       std::vector<Vec3> positions_mm;
       std::vector<Vec3> normals;

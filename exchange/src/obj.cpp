@@ -124,7 +124,7 @@ Expected<ObjText> to_obj(const Development& development, const Canopy& canopy, s
         detail::pose_in_world(shape, state, positions_mm, normals);
         std::string& text = texts[i];
         text.reserve(positions_mm.size() * 72 + shape.triangles().size() * 48);
-        append(text, "o ", detail::one_word(detail::organ_name(development, state.id)), "\n");
+        append(text, "o ", detail::one_word(organ_name(development, state.id)), "\n");
         for (const Vec3 p : positions_mm) {
           append_vector(text, "v ", p);
         }

@@ -127,14 +127,12 @@ class Run {
   Expected<Canopy> show(double time, std::span<const Vec3> positions_mm) const;
   std::string key(std::span<const double> times) const;
   std::string name_of(std::size_t body) const;
-  Vec3 attachment_of(const OrganState& state) const { return state.world_from_organ.position_mm; }
 
   const Development& development_;
   const CollisionOptions& options_;
   std::vector<WeldedTemplate> welds_;
   WeldedTemplate body_weld_;  ///< of all bodies' vertices, one after the other
   bool has_bodies_ = false;   ///< body 0 of the sheets is the receptacle with the peduncle
-  std::vector<std::uint32_t> template_first_;
   std::unique_ptr<GrowingSheets> sheets_;
 };
 
@@ -195,8 +193,7 @@ std::string Run::name_of(std::size_t body) const {
   if (has_bodies_ && body == 0) {
     return "receptacle";
   }
-  const Organ& organ = development_.organs()[body - (has_bodies_ ? 1 : 0)];
-  return development_.species().organs[organ.kind].name + "." + std::to_string(organ.id.value);
+  return organ_name(development_, development_.organs()[body - (has_bodies_ ? 1 : 0)].id);
 }
 
 /// The plant without contact, organs set on the receptacle instead of into it; the target of every vertex.
@@ -252,7 +249,7 @@ std::optional<Error> Run::step_to(double time, const Progress& progress, Collisi
       const OrganState& state = canopy.organs[body - offset];
       const Organ& organ = development_.organs()[state.id.value - 1];
       entering = {organ.template_index, development_.species().organs[organ.kind].tissue.thickness_mm, false};
-      attachment = attachment_of(state);
+      attachment = state.world_from_organ.position_mm;
     }
     const std::size_t count = sheets_->sheets()[entering.sheet].vertex_count;
     const GrowingSheets::Entry entry = sheets_->enter(entering, std::span(targets).subspan(next, count), attachment);
@@ -504,8 +501,7 @@ std::string owner_name(const Development& development, const Canopy& canopy, std
   if (owner >= canopy.organs.size()) {
     return canopy.bodies[owner - canopy.organs.size()].name;
   }
-  const OrganId id = canopy.organs[owner].id;
-  return development.species().organs[development.organs()[id.value - 1].kind].name + "." + std::to_string(id.value);
+  return organ_name(development, canopy.organs[owner].id);
 }
 
 }  // namespace anthesis

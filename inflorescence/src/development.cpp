@@ -370,4 +370,9 @@ Canopy Development::at(double time) const {
   return canopy;
 }
 
+std::string organ_name(const Development& development, OrganId id) {
+  const Organ& organ = development.organs()[id.value - 1];
+  return development.species().organs[organ.kind].name + "." + std::to_string(id.value);
+}
+
 }  // namespace anthesis

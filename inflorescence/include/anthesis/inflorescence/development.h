@@ -89,4 +89,7 @@ class Development {
   std::unique_ptr<State> state_;
 };
 
+/// "ray_floret.12": the name of an organ in every file and message.
+std::string organ_name(const Development& development, OrganId id);
+
 }  // namespace anthesis
