@@ -17,6 +17,7 @@
 namespace anthesis {
 namespace {
 
+using species_table::Choices;
 using species_table::Count;
 using species_table::describe;
 using species_table::Layout;
@@ -266,6 +267,8 @@ struct KeyList {
   template <class... R> void name(const char* key, R&&...) { add(key); }
   template <class... R> void number(const char* key, R&&...) { add(key); }
   template <class... R> void integer(const char* key, R&&...) { add(key); }
+  template <class... R> void choice(const char* key, R&&...) { add(key); }
+  template <class... R> void vector(const char* key, R&&...) { add(key); }
   template <class... R> void flag(const char* key, R&&...) { add(key); }
   template <class... R> void range(const char* key, R&&...) { add(key); }
   template <class... R> void numbers(const char* key, R&&...) { add(key); }
@@ -339,6 +342,42 @@ class TableReader {
                                 "must be a whole number in [" + std::to_string(min) + ", " + std::to_string(max) + "]");
       }
       std::invoke(member, object_) = static_cast<int>(value->get());
+    }
+  }
+
+  template <class Member>
+  void choice(const char* key, Member member, Choices choices, const char*) {
+    if (const toml::node* node = find(key, Need::kOptional)) {
+      const auto* value = node->as_string();
+      const auto chosen = std::find_if(choices.begin(), choices.end(),
+                                       [&](const char* choice) { return value != nullptr && value->get() == choice; });
+      if (chosen == choices.end()) {
+        std::string rule = "must be one of";
+        for (const char* choice : choices) {
+          rule += (choice == choices[0] ? " \"" : ", \"");
+          rule += choice;
+          rule += '"';
+        }
+        return document_.refuse(*node, where(key), rule);
+      }
+      auto& field = std::invoke(member, object_);
+      field = static_cast<std::remove_cvref_t<decltype(field)>>(chosen - choices.begin());
+    }
+  }
+
+  template <class Member>
+  void vector(const char* key, Member member, const Limits& limits, const char*) {
+    if (const toml::node* node = find(key, Need::kOptional)) {
+      const toml::array* list = read_list(document_, *node, where(key), Count{3, 3});
+      if (list == nullptr) {
+        return;
+      }
+      Vec3 result;
+      if (read_number(document_, *list->get(0), indexed(where(key), 0), limits, result.x) &&
+          read_number(document_, *list->get(1), indexed(where(key), 1), limits, result.y) &&
+          read_number(document_, *list->get(2), indexed(where(key), 2), limits, result.z)) {
+        std::invoke(member, object_) = result;
+      }
     }
   }
 

@@ -8,6 +8,7 @@
 namespace anthesis {
 namespace {
 
+using species_table::Choices;
 using species_table::Count;
 using species_table::describe;
 using species_table::Layout;
@@ -68,6 +69,19 @@ class SchemaWriter {
   template <class Member>
   void integer(const char* key, Member member, int min, int max, const char* meaning, Need need = Need::kOptional) {
     put(key, {{"type", "integer"}, {"minimum", min}, {"maximum", max}}, meaning, need, member);
+  }
+  template <class Member>
+  void choice(const char* key, Member member, Choices choices, const char* meaning) {
+    Json schema = {{"type", "string"}, {"enum", choices}};
+    schema["default"] = choices[static_cast<std::size_t>(std::invoke(member, default_))];
+    put(key, std::move(schema), meaning, Need::kOptional);
+  }
+  template <class Member>
+  void vector(const char* key, Member member, const Limits& limits, const char* meaning) {
+    Json schema = schema_list(schema_number(limits), Count{3, 3});
+    const Vec3 value = std::invoke(member, default_);
+    schema["default"] = {value.x, value.y, value.z};
+    put(key, std::move(schema), meaning, Need::kOptional);
   }
   template <class Member>
   void flag(const char* key, Member member, const char* meaning) {

@@ -2,8 +2,10 @@
 // The one description of species files. Each function below lists the keys of one table: name, member, range, sentence.
 // Visitors turn the list into a reader (species_file.cpp), a schema (species_schema.cpp) and a writer
 // (species_writer.cpp). A member is a pointer to member, or a function from the object to a part of it.
+#include <array>
 #include <cstddef>
 #include <limits>
+#include <span>
 #include <string>
 #include <type_traits>
 
@@ -67,6 +69,10 @@ constexpr PointsRule curve(Limits x, Limits y) {
   return {x, y, false};
 }
 
+/// The values of an enumeration, in its order, as a file names them.
+using Choices = std::span<const char* const>;
+inline constexpr std::array kPlacementRules = {"centripetal", "ridley", "collision"};
+
 enum class Need { kOptional, kRequired };
 enum class Layout { kOwnTable, kInline };  ///< [head.fate] or variation = { ... }
 
@@ -114,10 +120,30 @@ void describe(V& v, Table<FateRule>) {
 template <class V>
 void describe(V& v, Table<Head>) {
   using T = Head;
+  v.choice(
+      "rule", &T::rule, kPlacementRules,
+      "How organs find their places: centripetal, a growing meristem is covered from its rim inwards; ridley, bands "
+      "of given areas on a receptacle of given size; collision, spheres of given radii that roll up the receptacle "
+      "until they touch.");
   v.number("divergence_deg", &T::divergence_deg, between(-360.0, 360.0),
            "Angle from one organ to the next, in degrees, counter-clockwise seen from above. The golden angle is "
            "137.50776405003785.");
   v.number("interval", &T::interval, above(0.0, 1.0), "Developmental time between two organs.");
+  v.integer("count", &T::count, 0, 100000,
+            "Rules ridley and collision: at most so many organs; 0 is as many as there is room for.");
+  v.number("height_mm", &T::height_mm, kOffset,
+           "Of a head that an organ carries: where it stands on the organ's axis, in mm.");
+  v.points("growth", &T::growth, function_of(kUnit, above(0.0, 100.0)),
+           "Rules ridley and collision: factor of the receptacle's size against time: control points [time, factor].");
+  v.points("radius_mm", &T::radius_mm, function_of(kUnit, above(0.0, 10000.0)),
+           "Rule collision: radius of an organ's sphere against its position: control points [position, mm]; 0 apex, 1 "
+           "base.");
+  v.number("contact", &T::contact, within(0.05, 1.0),
+           "Rule collision: distance of two touching organs over the sum of their radii; below 1 they run into each "
+           "other.");
+  v.number("fall_back", &T::fall_back, within(0.0, 1e6),
+           "Rule collision, where organs get smaller towards the apex: how far one may fall back behind the one before "
+           "it, in its own radii.");
   v.number("meristem_area_mm2", &T::meristem_area_mm2, kArea, "Area that is still naked at time 0, in square mm.");
   v.points("meristem_growth", &T::meristem_growth, function_of(kUnit, kFactor),
            "Factor of the naked area against time: control points [time, factor].");
@@ -267,12 +293,21 @@ void describe(V& v, Table<OrganKind>) {
   v.number("layering_deg", &T::layering_deg, kHalfTurn,
            "Extra tilt of the first organ of the kind over the last, in degrees: neighbours lie in layers.");
   v.number("sink_mm", &T::sink_mm, within(-1000.0, 1000.0), "How deep the base is set into the receptacle, in mm.");
+  v.number(
+      "fits_radius_mm", &T::fits_radius_mm, kLength,
+      "Radius of the organ's place that the form is drawn for, in mm: it is scaled to the place it has. 0 keeps the "
+      "size that is drawn.");
+  v.vector("contact_point_mm", &T::contact_point_mm, kOffset,
+           "Point of the form that comes to lie on the receptacle: [outward, sideways, up], in mm.");
+  v.vector("axis", &T::axis, kOffset, "Direction of the form that comes to lie along the receptacle's normal.");
+  v.vector("outward", &T::outward, kOffset, "Direction of the form that comes to point away from the apex.");
   v.table("variation", &T::variation, Layout::kInline, "How organs of the kind differ in how they stand.");
   v.table("tissue", &T::tissue, Layout::kInline, "How organs of the kind give way when they touch.");
   v.table("shape_variation", kShapeVariation, Layout::kInline, "How organs of the kind differ in form.");
   v.list("petals", kShapePetals, Count{0, 32},
          "Sets of petals, or of anything flat: ligules, corolla lobes, bracts, leaves.");
   v.list("columns", kShapeColumns, Count{0, 32}, "Parts that are round: stamens, styles, ovaries, pappus.");
+  v.option("head", &T::head, "Organs that the organ carries itself: the same table as the plant's own head.");
 }
 
 template <class V>
@@ -300,6 +335,7 @@ void describe(V& v, Table<Species>) {
   v.name("name", &T::name, NameOf::kNothing, "The species' name on the command line.", Need::kRequired);
   v.text("latin", &T::latin, "Its scientific name.");
   v.text("summary", &T::summary, "A sentence for lists.");
+  v.flag("collisions", &T::collisions, "Whether organs push one another unless asked otherwise.");
   v.table("head", &T::head, Layout::kOwnTable, "The flower head: organs in a spiral on a receptacle.", Need::kRequired);
   v.table("peduncle", &T::peduncle, Layout::kOwnTable, "The stem under the head.");
   v.named("organs", &T::organs, Count{1, 64}, "Kinds of organs, by name.", Need::kRequired);

@@ -1,3 +1,4 @@
+#include <array>
 #include <functional>
 #include <string>
 #include <utility>
@@ -8,6 +9,7 @@
 namespace anthesis {
 namespace {
 
+using species_table::Choices;
 using species_table::Count;
 using species_table::describe;
 using species_table::Layout;
@@ -82,6 +84,15 @@ class ValueWriter {
   template <class Member>
   void integer(const char* key, Member member, int, int, const char*, Need need = Need::kOptional) {
     value(key, member, need, [](int number) { return std::to_string(number); });
+  }
+  template <class Member>
+  void choice(const char* key, Member member, Choices choices, const char*) {
+    value(key, member, Need::kOptional,
+          [&](auto chosen) { return toml_text(choices[static_cast<std::size_t>(chosen)]); });
+  }
+  template <class Member>
+  void vector(const char* key, Member member, const Limits&, const char*) {
+    value(key, member, Need::kOptional, [](Vec3 v) { return toml_list(std::array{v.x, v.y, v.z}, to_text); });
   }
   template <class Member>
   void flag(const char* key, Member member, const char*) {
@@ -183,6 +194,8 @@ class TableWriter {
   template <class... R> void name(R&&...) {}
   template <class... R> void number(R&&...) {}
   template <class... R> void integer(R&&...) {}
+  template <class... R> void choice(R&&...) {}
+  template <class... R> void vector(R&&...) {}
   template <class... R> void flag(R&&...) {}
   template <class... R> void range(R&&...) {}
   template <class... R> void numbers(R&&...) {}

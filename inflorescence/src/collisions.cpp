@@ -21,8 +21,10 @@ namespace {
 constexpr double kLattice_mm = 1.0 / 16384.0;  // 2^-14: single precision holds its multiples up to 1 m
 constexpr double kMaxExtent_mm = 1024.0;
 constexpr double kBodyThickness_mm = 0.04;
-constexpr double kSaggingShare =
-    0.003;  // of its distance from the axis that a flat facet of the receptacle may cut off
+// Shares of its distance from the axis that a flat facet of the receptacle may cut off, and one of the sixteen-sided
+// receptacles that organs carry.
+constexpr double kSaggingShare = 0.003;
+constexpr double kColumnSaggingShare = 0.02;
 
 /// A template's vertices, each place once.
 struct WeldedTemplate {
@@ -127,6 +129,7 @@ class Run {
   Expected<Canopy> show(double time, std::span<const Vec3> positions_mm) const;
   std::string key(std::span<const double> times) const;
   std::string name_of(std::size_t body) const;
+  double clearance_below(const Canopy& canopy, const Organ& organ) const;
 
   const Development& development_;
   const CollisionOptions& options_;
@@ -196,6 +199,22 @@ std::string Run::name_of(std::size_t body) const {
   return organ_name(development_, development_.organs()[body - (has_bodies_ ? 1 : 0)].id);
 }
 
+/// How far an organ must keep from what it stands on: half of that one's thickness with a little more, and how far a
+/// polygon's sides lie within its circle. 0 where there is nothing.
+double Run::clearance_below(const Canopy& canopy, const Organ& organ) const {
+  const OrganState& state = canopy.organs[organ.id.value - 1];
+  if (organ.parent.value == 0) {
+    return has_bodies_ ? 0.6 * kBodyThickness_mm + kSaggingShare * state.radius_mm : 0.0;
+  }
+  const OrganState& parent = canopy.organs[organ.parent.value - 1];
+  const Organ& carrier = development_.organs()[organ.parent.value - 1];
+  if (welds_[carrier.template_index].original.empty()) {
+    return 0.0;
+  }
+  const Tissue& tissue = development_.species().organs[carrier.kind].tissue;
+  return 0.6 * tissue.thickness_mm + kColumnSaggingShare * state.radius_mm * parent.world_from_organ.scale;
+}
+
 /// The plant without contact, organs set on the receptacle instead of into it; the target of every vertex.
 Canopy Run::targets_at(double time, std::vector<Vec3>& targets_mm) const {
   Canopy canopy = development_.at(time);
@@ -210,8 +229,9 @@ Canopy Run::targets_at(double time, std::vector<Vec3>& targets_mm) const {
   for (OrganState& state : canopy.organs) {
     const Organ& organ = development_.organs()[state.id.value - 1];
     const OrganKind& kind = development_.species().organs[organ.kind];
-    if (has_bodies_) {
-      const double clearance = 0.6 * (kBodyThickness_mm + kind.tissue.thickness_mm) + kSaggingShare * state.radius_mm;
+    const double below = clearance_below(canopy, organ);
+    if (below > 0.0) {
+      const double clearance = below + 0.6 * kind.tissue.thickness_mm;
       state.world_from_organ.position_mm += (state.world_from_organ.scale * kind.sink_mm + clearance) * state.normal;
     }
     first.push_back(targets_mm.size());

@@ -2,12 +2,14 @@
 
 #include <algorithm>
 #include <cmath>
+#include <map>
+#include <numeric>
 
 #include "anthesis/base/math.h"
 #include "anthesis/base/parallel.h"
 #include "anthesis/base/random.h"
 #include "anthesis/fate/cone.h"
-#include "anthesis/phyllotaxis/fractionation.h"
+#include "head_pattern.h"
 
 namespace anthesis {
 namespace {
@@ -122,17 +124,73 @@ Mesh peduncle_mesh(const Peduncle& peduncle, double length_mm, const SurfaceOfRe
   return mesh;
 }
 
+/// An organ's place on the receptacle that carries it, in the frame of that head.
+struct LocalPlace {
+  SurfaceFrame frame;
+  double s = 0.0;
+  double radius_mm = 0.0;
+  double area_mm2 = 0.0;
+};
+
+std::vector<LocalPlace> local_places(const HeadPattern& pattern, double time, const SurfaceOfRevolution& surface) {
+  const std::span<const Primordium> primordia = pattern.primordia();
+  const std::vector<PrimordiumPlace> places = pattern.places(time, surface);
+  std::vector<LocalPlace> local(places.size());
+  for (std::size_t i = 0; i < places.size(); ++i) {
+    const double t = places[i].t;
+    local[i] = {surface.frame(t, primordia[i].azimuth_rad), surface.s_from_t(t), surface.radius_mm(t),
+                places[i].area_mm2};
+  }
+  return local;
+}
+
+/// The receptacle of a head that an organ carries, as a part of that organ: all organs of the kind share it.
+Column receptacle_column(const Head& head) {
+  Column column;
+  column.name = "receptacle";
+  column.pigment = head.receptacle_pigment;
+  column.base_mm = head.height_mm;
+  column.sides = 16;
+  column.rings = 12;
+  const std::vector<Vec2>& outline = head.receptacle[0].points;
+  column.degree = std::min(3, static_cast<int>(outline.size()) - 1);
+  column.poses.push_back({0.0, {outline.rbegin(), outline.rend()}, 0.0});
+  return column;
+}
+
+/// A head and what arises on it. All organs of a kind that carries organs share one.
+struct PatternOfHead {
+  HeadPattern pattern;
+  std::vector<std::uint32_t> kinds;  ///< by primordium
+  std::vector<double> mature_s;      ///< by primordium
+};
+
+/// The form of an organ, turned and moved to stand on the receptacle as its species file says.
+Placement organ_from_form(const OrganKind& kind) {
+  const Vec3 z = normalized(kind.axis);
+  const Vec3 x = normalized(kind.outward - dot(kind.outward, z) * z);
+  Placement placement;
+  if (kind.axis != OrganKind{}.axis || kind.outward != OrganKind{}.outward) {
+    placement.rotation = conjugate(rotation_from_axes(x, cross(z, x), z));
+  }
+  placement.position_mm = -rotate(placement.rotation, kind.contact_point_mm);
+  return placement;
+}
+
 }  // namespace
 
 struct Development::State {
   Species species;
   GrowthOptions options;
-  std::optional<Fractionation> pattern;
+  std::vector<PatternOfHead> heads;         ///< the plant's own first
+  std::vector<std::uint32_t> head_of_kind;  ///< index into `heads`; 0: organs of the kind carry none
   std::vector<Organ> organs;
+  std::vector<std::uint32_t> rank;  ///< by organ: its number in the pattern of its head
   std::vector<OrganTemplate> templates;
-  std::vector<KindFunctions> functions;  ///< by kind
-  std::vector<Deviation> deviations;     ///< by organ
-  std::vector<double> mature_size;       ///< by organ: factor by position, times the organ's own
+  std::vector<KindFunctions> functions;    ///< by kind
+  std::vector<Placement> organ_from_form;  ///< by kind
+  std::vector<Deviation> deviations;       ///< by organ
+  std::vector<double> mature_size;         ///< by organ: factor by position, times the organ's own
   FunctionGraph peduncle_growth;
   Vec2 mature_base_mm;  ///< rim of the receptacle: (radius, height)
 
@@ -141,9 +199,15 @@ struct Development::State {
     const auto found = std::find_if(kinds.begin(), kinds.end(), [&](const OrganKind& k) { return k.name == name; });
     return static_cast<std::uint32_t>(found - kinds.begin());
   }
-  void decide_kinds(const SurfaceOfRevolution& mature, std::span<const PrimordiumPlace> places);
+  const PatternOfHead& head_of(const Organ& organ) const {
+    return heads[organ.parent.value == 0 ? 0 : head_of_kind[organs[organ.parent.value - 1].kind]];
+  }
+  std::optional<Error> make_heads(const Progress& progress);
+  std::vector<std::uint32_t> decide_kinds(const Head& head, std::span<const Primordium> primordia,
+                                          std::span<const LocalPlace> mature) const;
+  std::optional<Error> bear_organs();
   std::optional<Error> build_templates(const Progress& progress);
-  void draw_deviations(const SurfaceOfRevolution& mature, std::span<const PrimordiumPlace> places);
+  void draw_deviations();
 };
 
 Development::Development(std::unique_ptr<State> state) : state_(std::move(state)) {}
@@ -177,71 +241,135 @@ Expected<Development> Development::grow(const Species& species, const GrowthOpti
   state->options = options;
   state->peduncle_growth = FunctionGraph(species.peduncle.growth);
 
-  const Head& head = species.head;
-  FractionationParams params;
-  for (const ReceptacleProfile& profile : head.receptacle) {
-    params.profiles.push_back({profile.time, profile.points});
+  if (auto error = state->make_heads(progress)) {
+    return unexpected(*error);
   }
-  params.divergence_rad = math::radians(head.divergence_deg);
-  params.interval = head.interval;
-  params.meristem_area_mm2 = head.meristem_area_mm2;
-  params.meristem_growth = FunctionGraph(head.meristem_growth);
-  params.area_mm2 = FunctionGraph(head.area_mm2);
-  params.area_growth = FunctionGraph(head.area_growth);
-  auto pattern = Fractionation::run(std::move(params), kMaxOrgans, progress);
-  if (!pattern) {
-    Error error = pattern.error();
-    error.where = error.where.empty() ? "" : "head." + error.where;
-    return unexpected(error);
+  if (auto error = state->bear_organs()) {
+    return unexpected(*error);
   }
-  state->pattern = std::move(*pattern);
-
-  const SurfaceOfRevolution mature = state->pattern->surface(1.0);
-  const std::vector<PrimordiumPlace> places = state->pattern->places(1.0, mature);
-  state->mature_base_mm = mature.profile_mm().at(1.0);
-  state->decide_kinds(mature, places);
   if (auto error = state->build_templates(progress)) {
     return unexpected(*error);
   }
-  state->draw_deviations(mature, places);
+  state->draw_deviations();
   return Development(std::move(state));
 }
 
-void Development::State::decide_kinds(const SurfaceOfRevolution& mature, std::span<const PrimordiumPlace> places) {
-  const auto primordia = pattern->primordia();
-  for (std::size_t i = 0; i < primordia.size(); ++i) {
-    Organ organ;
-    organ.id = {static_cast<std::uint32_t>(i + 1)};
-    organ.birth = primordia[i].birth;
-    organ.divergence_rad = i == 0 ? 0.0 : math::radians(species.head.divergence_deg);
-    organ.azimuth_rad = primordia[i].azimuth_rad;
-    organ.mature_area_mm2 = primordia[i].mature_area_mm2;
-    for (const Zone& zone : species.head.zones) {
-      if (primordia[i].s_at_birth >= zone.from && (primordia[i].s_at_birth < zone.to || zone.to == 1.0)) {
-        organ.kind = kind_named(zone.organ);
+std::optional<Error> Development::State::make_heads(const Progress& progress) {
+  const auto add = [&](const Head& head, const std::string& path) -> std::optional<Error> {
+    auto pattern = HeadPattern::make(head, kMaxOrgans, progress);
+    if (!pattern) {
+      Error error = pattern.error();
+      error.where = error.where.empty() ? "" : path + "." + error.where;
+      return error;
+    }
+    const SurfaceOfRevolution mature = pattern->surface(1.0);
+    const std::vector<LocalPlace> places = local_places(*pattern, 1.0, mature);
+    PatternOfHead made{std::move(*pattern), {}, {}};
+    made.kinds = decide_kinds(head, made.pattern.primordia(), places);
+    for (const LocalPlace& place : places) {
+      made.mature_s.push_back(place.s);
+    }
+    if (heads.empty()) {
+      mature_base_mm = mature.profile_mm().at(1.0);
+    }
+    heads.push_back(std::move(made));
+    return std::nullopt;
+  };
+  if (auto error = add(species.head, "head")) {
+    return error;
+  }
+  for (const OrganKind& kind : species.organs) {
+    head_of_kind.push_back(kind.head ? static_cast<std::uint32_t>(heads.size()) : 0);
+    if (kind.head) {
+      if (auto error = add(*kind.head, "organs." + kind.name + ".head")) {
+        return error;
       }
     }
-    organs.push_back(organ);
   }
-  if (!species.head.fate) {
-    return;
+  return std::nullopt;
+}
+
+std::vector<std::uint32_t> Development::State::decide_kinds(const Head& head, std::span<const Primordium> primordia,
+                                                            std::span<const LocalPlace> mature) const {
+  std::vector<std::uint32_t> kinds(mature.size());
+  for (std::size_t i = 0; i < kinds.size(); ++i) {
+    for (const Zone& zone : head.zones) {
+      if (primordia[i].s_at_birth >= zone.from && (primordia[i].s_at_birth < zone.to || zone.to == 1.0)) {
+        kinds[i] = kind_named(zone.organ);
+      }
+    }
   }
-  const FateRule& rule = *species.head.fate;
+  if (!head.fate) {
+    return kinds;
+  }
   std::vector<std::size_t> candidates;
   std::vector<Vec2> plan_mm;  // seen along the axis of the head, whose centre is the origin
-  for (std::size_t i = 0; i < organs.size(); ++i) {
-    if (organs[i].kind == kind_named(rule.of)) {
-      const auto [sine, cosine] = math::sin_cos(organs[i].azimuth_rad);
+  for (std::size_t i = 0; i < kinds.size(); ++i) {
+    if (kinds[i] == kind_named(head.fate->of)) {
+      const auto [sine, cosine] = math::sin_cos(primordia[i].azimuth_rad);
       candidates.push_back(i);
-      plan_mm.push_back(mature.radius_mm(places[i].t) * Vec2{cosine, sine});
+      plan_mm.push_back(mature[i].radius_mm * Vec2{cosine, sine});
     }
   }
-  const std::vector<double> room = nearest_in_cone_mm(plan_mm, {}, math::radians(rule.cone_deg));
+  const std::vector<double> room = nearest_in_cone_mm(plan_mm, {}, math::radians(head.fate->cone_deg));
   for (std::size_t k = 0; k < candidates.size(); ++k) {
     if (std::isinf(room[k])) {
-      organs[candidates[k]].kind = kind_named(rule.with_room);
+      kinds[candidates[k]] = kind_named(head.fate->with_room);
     }
   }
+  return kinds;
+}
+
+/// All organs, those that organs carry included. An organ's own head lives by the organ's age.
+std::optional<Error> Development::State::bear_organs() {
+  std::vector<Organ> borne;               // parents before what they carry; `parent` counts in this order
+  std::vector<std::uint32_t> borne_rank;  // number in the pattern
+  const auto bear = [&](const PatternOfHead& head, const Head& made_from, std::uint32_t parent, double birth) {
+    const std::span<const Primordium> primordia = head.pattern.primordia();
+    for (std::size_t i = 0; i < head.kinds.size() && birth + primordia[i].birth <= 1.0; ++i) {
+      if (borne.size() == kMaxOrgans) {
+        return false;
+      }
+      Organ organ;
+      organ.parent = {parent};
+      organ.kind = head.kinds[i];
+      organ.birth = birth + primordia[i].birth;
+      organ.divergence_rad = i == 0 ? 0.0 : math::radians(made_from.divergence_deg);
+      organ.azimuth_rad = primordia[i].azimuth_rad;
+      organ.mature_area_mm2 = primordia[i].mature_area_mm2;
+      borne.push_back(organ);
+      borne_rank.push_back(static_cast<std::uint32_t>(i));
+    }
+    return true;
+  };
+  bool room = bear(heads[0], species.head, 0, 0.0);
+  for (std::uint32_t i = 0; room && i < borne.size(); ++i) {
+    if (const std::uint32_t head = head_of_kind[borne[i].kind]; head != 0) {
+      room = bear(heads[head], *species.organs[borne[i].kind].head, i + 1, borne[i].birth);
+    }
+  }
+  if (!room) {
+    return Error{ErrorCode::kTooLarge, "organs",
+                 "must be at most " + std::to_string(kMaxOrgans) + " with all that organs carry, got more"};
+  }
+  // Ids go by birth.
+  std::vector<std::uint32_t> order(borne.size());
+  std::iota(order.begin(), order.end(), 0u);
+  std::stable_sort(order.begin(), order.end(), [&](auto a, auto b) { return borne[a].birth < borne[b].birth; });
+  std::vector<OrganId> id_of(borne.size());
+  for (std::size_t k = 0; k < order.size(); ++k) {
+    id_of[order[k]] = {static_cast<std::uint32_t>(k + 1)};
+  }
+  for (const std::uint32_t i : order) {
+    Organ organ = borne[i];
+    organ.id = id_of[i];
+    if (organ.parent.value != 0) {
+      organ.parent = id_of[organ.parent.value - 1];
+    }
+    organs.push_back(organ);
+    rank.push_back(borne_rank[i]);
+  }
+  return std::nullopt;
 }
 
 std::optional<Error> Development::State::build_templates(const Progress& progress) {
@@ -268,13 +396,20 @@ std::optional<Error> Development::State::build_templates(const Progress& progres
                        " vertices, got more: lower the detail, the variants or the numbers of vertices"};
     }
   }
+  std::vector<OrganShape> shapes;
+  for (const OrganKind& kind : species.organs) {
+    shapes.push_back(kind.shape);
+    if (kind.head && !kind.head->receptacle_pigment.empty()) {
+      shapes.back().columns.push_back(receptacle_column(*kind.head));
+    }
+  }
   std::vector<std::optional<Expected<OrganTemplate>>> built(jobs.size());
   const bool finished = parallel_for(
       jobs.size(),
       [&](std::size_t i) {
         // Kinds must not share their individuals' numbers; any odd constant keeps the seeds apart.
         const std::uint64_t seed = options.seed + 0x9E3779B97F4A7C15u * (jobs[i].kind + 1u);
-        built[i] = OrganTemplate::build(species.organs[jobs[i].kind].shape, options.detail, seed, jobs[i].variant);
+        built[i] = OrganTemplate::build(shapes[jobs[i].kind], options.detail, seed, jobs[i].variant);
       },
       progress, "templates");
   if (!finished) {
@@ -296,58 +431,81 @@ std::optional<Error> Development::State::build_templates(const Progress& progres
   return std::nullopt;
 }
 
-void Development::State::draw_deviations(const SurfaceOfRevolution& mature, std::span<const PrimordiumPlace> places) {
+void Development::State::draw_deviations() {
   for (const OrganKind& kind : species.organs) {
     functions.push_back({FunctionGraph(kind.growth), FunctionGraph(kind.opening), FunctionGraph(kind.size),
                          FunctionGraph(kind.pitch_deg)});
+    organ_from_form.push_back(anthesis::organ_from_form(kind));
   }
-  std::vector<std::size_t> of_kind(species.organs.size());
+  // Layers are counted among organs of one kind on one head.
+  std::map<std::pair<std::uint32_t, std::uint32_t>, std::pair<std::size_t, std::size_t>> layers;  // of how many, seen
   for (const Organ& organ : organs) {
-    ++of_kind[organ.kind];
+    ++layers[{organ.parent.value, organ.kind}].first;
   }
-  std::vector<std::size_t> seen(species.organs.size());
   for (std::size_t i = 0; i < organs.size(); ++i) {
     const Organ& organ = organs[i];
     const OrganKind& kind = species.organs[organ.kind];
     const OrganVariation& v = kind.variation;
     const std::uint64_t seed = options.seed;
-    const double rank = of_kind[organ.kind] > 1
-                            ? static_cast<double>(seen[organ.kind]) / static_cast<double>(of_kind[organ.kind] - 1)
-                            : 0.0;
-    ++seen[organ.kind];
+    auto& [count, seen] = layers[{organ.parent.value, organ.kind}];
+    const double layer = count > 1 ? static_cast<double>(seen) / static_cast<double>(count - 1) : 0.0;
+    ++seen;
     Deviation d;
     d.size = draw(seed, organ.id, RandomPurpose::kSize, v.size);
     d.pitch_rad =
-        math::radians(draw(seed, organ.id, RandomPurpose::kPitch, v.pitch_deg) + kind.layering_deg * (1.0 - rank));
+        math::radians(draw(seed, organ.id, RandomPurpose::kPitch, v.pitch_deg) + kind.layering_deg * (1.0 - layer));
     d.yaw_rad = math::radians(draw(seed, organ.id, RandomPurpose::kYaw, v.yaw_deg));
     d.roll_rad = math::radians(draw(seed, organ.id, RandomPurpose::kRoll, v.roll_deg));
     d.stage = draw(seed, organ.id, RandomPurpose::kStage, v.stage);
     deviations.push_back(d);
-    mature_size.push_back(d.size * functions[organ.kind].size(mature.s_from_t(places[i].t)));
+    double size = d.size * functions[organ.kind].size(head_of(organ).mature_s[rank[i]]);
+    if (kind.fits_radius_mm > 0.0) {
+      size *= std::sqrt(organ.mature_area_mm2 / math::kPi) / kind.fits_radius_mm;
+    }
+    mature_size.push_back(size);
   }
 }
 
 Canopy Development::at(double time) const {
   const State& state = *state_;
-  const SurfaceOfRevolution surface = state.pattern->surface(time);
-  const std::vector<PrimordiumPlace> places = state.pattern->places(time, surface);
+  const SurfaceOfRevolution surface = state.heads[0].pattern.surface(time);
+  const std::vector<LocalPlace> places = local_places(state.heads[0].pattern, time, surface);
+  // Heads of one kind at one age are equal.
+  std::map<std::pair<std::uint32_t, double>, std::vector<LocalPlace>> places_on_organs;
   Canopy canopy;
   canopy.time = time;
-  canopy.organs.reserve(places.size());
-  for (std::size_t i = 0; i < places.size(); ++i) {
+  for (std::size_t i = 0; i < state.organs.size() && state.organs[i].birth <= time; ++i) {
     const Organ& organ = state.organs[i];
     const OrganKind& kind = state.species.organs[organ.kind];
     const KindFunctions& functions = state.functions[organ.kind];
     const Deviation& deviation = state.deviations[i];
     const double age = time - organ.birth;
-    const SurfaceFrame frame = surface.frame(places[i].t, organ.azimuth_rad);
+    const LocalPlace* place = nullptr;
+    Placement world_from_head;
+    if (organ.parent.value == 0) {
+      place = &places[state.rank[i]];
+    } else {
+      const Organ& parent = state.organs[organ.parent.value - 1];
+      const std::uint32_t head = state.head_of_kind[parent.kind];
+      const HeadPattern& pattern = state.heads[head].pattern;
+      // At its birth an organ's own head would find it a rounding too early.
+      const double head_time = std::max(time - parent.birth, pattern.primordia()[state.rank[i]].birth);
+      auto [found, is_new] = places_on_organs.try_emplace({head, head_time});
+      if (is_new) {
+        found->second = local_places(pattern, head_time, pattern.surface(head_time));
+      }
+      place = &found->second[state.rank[i]];
+      Placement organ_from_head;
+      organ_from_head.position_mm.z = state.species.organs[parent.kind].head->height_mm;
+      world_from_head = canopy.organs[organ.parent.value - 1].world_from_organ * organ_from_head;
+    }
+    const SurfaceFrame& frame = place->frame;
     OrganState organ_state;
     organ_state.id = organ.id;
-    organ_state.normal = frame.normal;
     organ_state.stage = std::clamp(functions.opening(age) + deviation.stage, 0.0, 1.0);
-    organ_state.s = surface.s_from_t(places[i].t);
-    organ_state.radius_mm = surface.radius_mm(places[i].t);
-    organ_state.area_mm2 = places[i].area_mm2;
+    organ_state.s = place->s;
+    organ_state.radius_mm = place->radius_mm;
+    organ_state.area_mm2 = place->area_mm2;
     Placement& placement = organ_state.world_from_organ;
     placement.scale = state.mature_size[i] * functions.growth(age);
     placement.position_mm = frame.position_mm - placement.scale * kind.sink_mm * frame.normal;
@@ -355,6 +513,8 @@ Canopy Development::at(double time) const {
     placement.rotation = normalized(
         rotation_from_axes(frame.meridian, frame.parallel, frame.normal) * rotation_about({0.0, 1.0, 0.0}, pitch) *
         rotation_about({1.0, 0.0, 0.0}, deviation.yaw_rad) * rotation_about({0.0, 0.0, 1.0}, deviation.roll_rad));
+    placement = world_from_head * placement * state.organ_from_form[organ.kind];
+    organ_state.normal = rotate(world_from_head.rotation, frame.normal);
     canopy.organs.push_back(organ_state);
   }
   const Head& head = state.species.head;

@@ -11,6 +11,8 @@
 namespace anthesis {
 namespace {
 
+constexpr int kMostOrgans = 100'000;
+
 /// kUnknownParameter for a name that is used but nowhere defined.
 std::optional<Error> check_name(const std::string& where, const std::string& name,
                                 const std::vector<std::string>& known, std::string_view what) {
@@ -34,14 +36,14 @@ std::optional<Error> check_unique(const std::string& where, const std::vector<st
   return std::nullopt;
 }
 
-std::optional<Error> check_head(const Head& head, const std::vector<std::string>& organs,
+std::optional<Error> check_head(const std::string& path, const Head& head, const std::vector<std::string>& organs,
                                 const std::vector<std::string>& pigments) {
   if (head.receptacle.empty()) {
-    return invalid_parameter("head.receptacle", "must have at least 1 profile", 0.0);
+    return invalid_parameter(path + ".receptacle", "must have at least 1 profile", 0.0);
   }
   for (std::size_t i = 0; i < head.receptacle.size(); ++i) {
     const ReceptacleProfile& profile = head.receptacle[i];
-    const std::string where = "head.receptacle[" + std::to_string(i) + "]";
+    const std::string where = path + ".receptacle[" + std::to_string(i) + "]";
     if (auto error = check_profile(where + ".points", profile.points))
       return error;
     for (const Vec2 point : profile.points) {
@@ -60,47 +62,59 @@ std::optional<Error> check_head(const Head& head, const std::vector<std::string>
                                static_cast<double>(profile.points.size()));
     }
   }
-  if (auto error = check_number("head.divergence_deg", head.divergence_deg, -360.0, 360.0))
+  if (auto error = check_number(path + ".divergence_deg", head.divergence_deg, -360.0, 360.0))
     return error;
-  if (auto error = check_number("head.interval", head.interval, 1e-6, 1.0))
+  if (auto error = check_number(path + ".interval", head.interval, 1e-6, 1.0))
     return error;
-  if (auto error = check_number("head.meristem_area_mm2", head.meristem_area_mm2, 1e-6, 1e9))
+  if (auto error = check_whole(path + ".count", head.count, 0, kMostOrgans))
     return error;
-  if (auto error = check_function_values("head.meristem_growth", head.meristem_growth, 1e-6, 1e6))
+  if (auto error = check_number(path + ".height_mm", head.height_mm, -1e4, 1e4))
     return error;
-  if (auto error = check_function_values("head.area_mm2", head.area_mm2, 1e-6, 1e9))
+  if (auto error = check_function_values(path + ".growth", head.growth, 1e-6, 1e3))
     return error;
-  if (auto error = check_function_values("head.area_growth", head.area_growth, 1e-6, 1e3))
+  if (auto error = check_function_values(path + ".radius_mm", head.radius_mm, 1e-4, 1e4))
+    return error;
+  if (auto error = check_number(path + ".contact", head.contact, 0.05, 1.0))
+    return error;
+  if (auto error = check_number(path + ".fall_back", head.fall_back, 0.0, 1e6))
+    return error;
+  if (auto error = check_number(path + ".meristem_area_mm2", head.meristem_area_mm2, 1e-6, 1e9))
+    return error;
+  if (auto error = check_function_values(path + ".meristem_growth", head.meristem_growth, 1e-6, 1e6))
+    return error;
+  if (auto error = check_function_values(path + ".area_mm2", head.area_mm2, 1e-6, 1e9))
+    return error;
+  if (auto error = check_function_values(path + ".area_growth", head.area_growth, 1e-6, 1e3))
     return error;
   if (!head.receptacle_pigment.empty()) {
-    if (auto error = check_name("head.receptacle_pigment", head.receptacle_pigment, pigments, "a pigment"))
+    if (auto error = check_name(path + ".receptacle_pigment", head.receptacle_pigment, pigments, "a pigment"))
       return error;
   }
   if (head.zones.empty()) {
-    return invalid_parameter("head.zones", "must have at least 1 zone", 0.0);
+    return invalid_parameter(path + ".zones", "must have at least 1 zone", 0.0);
   }
   std::vector<Zone> zones = head.zones;
   std::sort(zones.begin(), zones.end(), [](const Zone& a, const Zone& b) { return a.from < b.from; });
   double covered = 0.0;
   for (const Zone& zone : zones) {
-    if (auto error = check_name("head.zones.organ", zone.organ, organs, "an organ"))
+    if (auto error = check_name(path + ".zones.organ", zone.organ, organs, "an organ"))
       return error;
     if (zone.from != covered || !(zone.to > zone.from)) {
-      return invalid_parameter("head.zones", "must cover [0, 1] without gap or overlap",
+      return invalid_parameter(path + ".zones", "must cover [0, 1] without gap or overlap",
                                to_text(zone.from) + " to " + to_text(zone.to));
     }
     covered = zone.to;
   }
   if (covered != 1.0) {
-    return invalid_parameter("head.zones", "must cover [0, 1] up to 1", covered);
+    return invalid_parameter(path + ".zones", "must cover [0, 1] up to 1", covered);
   }
   if (head.fate) {
-    if (auto error = check_name("head.fate.of", head.fate->of, organs, "an organ"))
+    if (auto error = check_name(path + ".fate.of", head.fate->of, organs, "an organ"))
       return error;
-    if (auto error = check_name("head.fate.with_room", head.fate->with_room, organs, "an organ"))
+    if (auto error = check_name(path + ".fate.with_room", head.fate->with_room, organs, "an organ"))
       return error;
     if (!(head.fate->cone_deg > 0.0 && head.fate->cone_deg < 180.0)) {
-      return invalid_parameter("head.fate.cone_deg", "must be in (0, 180)", head.fate->cone_deg);
+      return invalid_parameter(path + ".fate.cone_deg", "must be in (0, 180)", head.fate->cone_deg);
     }
   }
   return std::nullopt;
@@ -108,8 +122,11 @@ std::optional<Error> check_head(const Head& head, const std::vector<std::string>
 
 std::optional<Error> check_organ(const OrganKind& organ, const std::vector<std::string>& pigments) {
   const std::string where = "organs." + organ.name;
-  if (auto error = check(organ.shape, where))
-    return error;
+  const bool bare = organ.shape.petals.empty() && organ.shape.columns.empty();
+  if (!(bare && organ.head)) {  // what only carries other organs needs no form of its own
+    if (auto error = check(organ.shape, where))
+      return error;
+  }
   for (const Petals& petals : organ.shape.petals) {
     if (auto error = check_name(where + ".petals.pigment", petals.pigment, pigments, "a pigment"))
       return error;
@@ -132,6 +149,19 @@ std::optional<Error> check_organ(const OrganKind& organ, const std::vector<std::
     return error;
   if (auto error = check_number(where + ".sink_mm", organ.sink_mm, -1e4, 1e4))
     return error;
+  if (auto error = check_number(where + ".fits_radius_mm", organ.fits_radius_mm, 0.0, 1e4))
+    return error;
+  for (const double value : {organ.contact_point_mm.x, organ.contact_point_mm.y, organ.contact_point_mm.z}) {
+    if (auto error = check_number(where + ".contact_point_mm", value, -1e4, 1e4))
+      return error;
+  }
+  if (!(length(organ.axis) > 1e-6) || !std::isfinite(length(organ.axis))) {
+    return invalid_parameter(where + ".axis", "must have a direction, its length", length(organ.axis));
+  }
+  const double apart = length(cross(normalized(organ.axis), normalized(organ.outward)));
+  if (!(apart > 1e-3)) {
+    return invalid_parameter(where + ".outward", "must not lie along the axis, the sine between them", apart);
+  }
   const OrganVariation& v = organ.variation;
   if (auto error = check_range(where + ".variation.size", v.size, 0.01, 100.0))
     return error;
@@ -151,6 +181,49 @@ std::optional<Error> check_organ(const OrganKind& organ, const std::vector<std::
   for (const auto& [name, stiffness] : stiffnesses) {
     if (auto error = check_number(where + ".tissue." + name, stiffness, 1e-6, 1.0))
       return error;
+  }
+  return std::nullopt;
+}
+
+/// A head that an organ carries: what it needs beyond any other.
+std::optional<Error> check_carried(const std::string& path, const Head& head) {
+  const bool grows =
+      head.rule == PlacementRule::kCentripetal || head.receptacle.size() > 1 || head.growth != Head{}.growth;
+  if (!head.receptacle_pigment.empty() && grows) {
+    return invalid_parameter(path + ".receptacle_pigment",
+                             "must be left out where the receptacle grows apart from the organ that carries it: one "
+                             "outline, and rule ridley or collision",
+                             head.receptacle_pigment);
+  }
+  return std::nullopt;
+}
+
+/// kInvalidParameter when organs of some kind would, level by level, carry themselves.
+std::optional<Error> check_levels(const Species& species) {
+  const std::size_t count = species.organs.size();
+  std::vector<std::vector<bool>> carries(count, std::vector<bool>(count));
+  for (std::size_t i = 0; i < count; ++i) {
+    if (const auto& head = species.organs[i].head) {
+      for (std::size_t j = 0; j < count; ++j) {
+        const std::string& name = species.organs[j].name;
+        carries[i][j] =
+            (head->fate && head->fate->with_room == name) ||
+            std::any_of(head->zones.begin(), head->zones.end(), [&](const Zone& zone) { return zone.organ == name; });
+      }
+    }
+  }
+  for (std::size_t via = 0; via < count; ++via) {
+    for (std::size_t i = 0; i < count; ++i) {
+      for (std::size_t j = 0; j < count; ++j) {
+        carries[i][j] = carries[i][j] || (carries[i][via] && carries[via][j]);
+      }
+    }
+  }
+  for (std::size_t i = 0; i < count; ++i) {
+    if (carries[i][i]) {
+      return invalid_parameter("organs." + species.organs[i].name + ".head.zones",
+                               "must not lead back to the organ itself", species.organs[i].name);
+    }
   }
   return std::nullopt;
 }
@@ -207,7 +280,18 @@ std::optional<Error> check(const Species& species) {
     if (auto error = check_organ(organ, pigments))
       return error;
   }
-  if (auto error = check_head(species.head, organs, pigments))
+  if (auto error = check_head("head", species.head, organs, pigments))
+    return error;
+  for (const OrganKind& organ : species.organs) {
+    if (organ.head) {
+      const std::string path = "organs." + organ.name + ".head";
+      if (auto error = check_head(path, *organ.head, organs, pigments))
+        return error;
+      if (auto error = check_carried(path, *organ.head))
+        return error;
+    }
+  }
+  if (auto error = check_levels(species))
     return error;
   const Peduncle& peduncle = species.peduncle;
   if (auto error = check_number("peduncle.length_mm", peduncle.length_mm, 0.0, 1e5))

@@ -2,6 +2,8 @@
 
 #include <gtest/gtest.h>
 
+#include <map>
+
 #include "anthesis/base/math.h"
 #include "anthesis/base/parallel.h"
 #include "anthesis/phyllotaxis/vogel.h"
@@ -185,6 +187,126 @@ TEST(Development, BodiesFaceOutwards) {
   for (const Body& body : development.at(1.0).bodies) {
     for (const Triangle& t : body.mesh.triangles) {
       EXPECT_GT(dot(area_vector(body.mesh.positions_mm, t), body.mesh.normals[t[0]]), 0.0) << body.name;
+    }
+  }
+}
+
+/// A dome of clusters; each is a smaller dome of pegs on a stalk.
+Species clusters_of_pegs() {
+  Species species = small_head();
+  species.peduncle.length_mm = 0.0;
+  species.organs = {peg("cluster", 1.0), peg("floret", 1.0)};
+  species.head = Head{};
+  species.head.rule = PlacementRule::kRidley;
+  species.head.receptacle = {{0.0, {{0, 10}, {8, 10}, {10, 4}, {10, 0}}}};
+  species.head.area_mm2 = {{0.0, 20.0}, {1.0, 20.0}};
+  species.head.interval = 0.01;
+  species.head.zones = {{"cluster", 0.0, 1.0}};
+  Head& head = species.organs[0].head.emplace();
+  head.rule = PlacementRule::kRidley;
+  head.receptacle = {{0.0, {{0, 1}, {1, 1}, {1, 0}}}};
+  head.area_mm2 = {{0.0, 0.2}, {1.0, 0.2}};
+  head.interval = 0.01;
+  head.height_mm = 3.0;
+  head.zones = {{"floret", 0.0, 1.0}};
+  species.organs[0].growth = {{0.0, 0.5}, {1.0, 1.5}};
+  return species;
+}
+
+TEST(Development, OrgansOnOrgansRepeatOnePattern) {
+  const Development development = *Development::grow(clusters_of_pegs(), {});
+  const std::size_t clusters = count(development, "cluster");
+  const std::size_t florets = count(development, "floret");
+  ASSERT_GT(clusters, 10u);
+  ASSERT_EQ(florets % clusters, 0u);
+  ASSERT_GT(florets / clusters, 5u);
+  const Canopy canopy = development.at(1.0);
+  ASSERT_EQ(canopy.organs.size(), clusters + florets);
+  std::map<std::uint32_t, std::vector<Vec3>> on_cluster;
+  for (const OrganState& state : canopy.organs) {
+    const Organ& organ = development.organs()[state.id.value - 1];
+    if (organ.parent.value == 0) {
+      continue;
+    }
+    ASSERT_LT(organ.parent, organ.id);
+    const Placement& cluster = canopy.organs[organ.parent.value - 1].world_from_organ;
+    const Vec3 local =
+        rotate(conjugate(cluster.rotation), state.world_from_organ.position_mm - cluster.position_mm) / cluster.scale;
+    on_cluster[organ.parent.value].push_back(local);
+    EXPECT_GE(local.z, 3.0 - 1e-9);  // on the stalk
+    EXPECT_NEAR(std::hypot(local.x, local.y), state.radius_mm, 1e-9);
+    EXPECT_NEAR(state.world_from_organ.scale, cluster.scale, 1e-12);
+  }
+  ASSERT_EQ(on_cluster.size(), clusters);
+  const std::vector<Vec3>& first = on_cluster.begin()->second;
+  for (const auto& [parent, places] : on_cluster) {
+    ASSERT_EQ(places.size(), first.size());
+    for (std::size_t i = 0; i < first.size(); ++i) {
+      EXPECT_LT(length(places[i] - first[i]), 1e-9);
+    }
+  }
+}
+
+// O16 fig. 13: the first element of a meristem lies as far as possible from the centre of the one that carries it.
+TEST(Development, TheFirstOrganOnAnOrganLiesOutwards) {
+  const Development development = *Development::grow(clusters_of_pegs(), {});
+  const Canopy canopy = development.at(1.0);
+  std::map<std::uint32_t, const OrganState*> first;
+  for (const OrganState& state : canopy.organs) {
+    first.try_emplace(development.organs()[state.id.value - 1].parent.value, &state);
+  }
+  for (const auto& [parent, state] : first) {
+    if (parent == 0) {
+      continue;
+    }
+    const Vec3 cluster = canopy.organs[parent - 1].world_from_organ.position_mm;
+    const Vec3 normal = canopy.organs[parent - 1].normal;
+    const Vec3 apex{0.0, 0.0, 10.0};
+    const auto in_plane = [&](Vec3 v) { return v - dot(v, normal) * normal; };
+    const Vec3 away = in_plane(cluster - apex);
+    const Vec3 offset = in_plane(state->world_from_organ.position_mm - cluster);
+    EXPECT_GT(dot(away, offset), 0.999 * length(away) * length(offset));
+  }
+}
+
+TEST(Development, AnOrgansOwnHeadLivesByItsAge) {
+  const Development development = *Development::grow(clusters_of_pegs(), {});
+  double before = 0.0;
+  for (const Organ& organ : development.organs()) {
+    EXPECT_GE(organ.birth, before);
+    before = organ.birth;
+    const Canopy canopy = development.at(organ.birth);  // at its birth to the last bit it is there
+    EXPECT_GE(canopy.organs.size(), organ.id.value);
+  }
+  const Organ& last = development.organs().back();
+  EXPECT_GT(last.birth, development.organs()[last.parent.value - 1].birth);
+}
+
+TEST(Development, AFormStandsOnItsContactPointAlongItsAxis) {
+  Species species = clusters_of_pegs();
+  const Canopy plain = Development::grow(species, {})->at(1.0);
+  OrganKind& cluster = species.organs[0];
+  cluster.contact_point_mm = {0.0, 0.0, 0.5};
+  const Canopy sunk = Development::grow(species, {})->at(1.0);
+  cluster.contact_point_mm = {};
+  cluster.axis = {3.0, 0.0, 0.0};
+  cluster.outward = {1.0, 2.0, 0.0};  // only what is square to the axis counts
+  const Canopy lying = Development::grow(species, {})->at(1.0);
+  const Placement& upright = plain.organs[0].world_from_organ;
+  EXPECT_LT(length(apply(sunk.organs[0].world_from_organ, {0.0, 0.0, 0.5}) - upright.position_mm), 1e-12);
+  EXPECT_LT(length(apply(lying.organs[0].world_from_organ, {1.0, 0.0, 0.0}) - apply(upright, {0.0, 0.0, 1.0})), 1e-12);
+  EXPECT_LT(length(apply(lying.organs[0].world_from_organ, {0.0, 1.0, 0.0}) - apply(upright, {1.0, 0.0, 0.0})), 1e-12);
+}
+
+TEST(Development, OrgansFitTheirPlaces) {
+  Species species = clusters_of_pegs();
+  species.head.area_mm2 = {{0.0, 10.0}, {1.0, 40.0}};
+  species.organs[0].growth = {{0.0, 1.0}, {1.0, 1.0}};
+  species.organs[0].fits_radius_mm = 2.0;
+  const Canopy canopy = Development::grow(species, {})->at(1.0);
+  for (const OrganState& state : canopy.organs) {
+    if (state.area_mm2 > 5.0) {  // of a cluster: the disc of its area is as wide as its form says
+      EXPECT_NEAR(2.0 * state.world_from_organ.scale, std::sqrt(state.area_mm2 / math::kPi), 1e-9);
     }
   }
 }

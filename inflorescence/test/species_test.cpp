@@ -58,5 +58,30 @@ TEST(CheckSpecies, NamesTheFieldTheRuleAndTheValue) {
   EXPECT_EQ(check(species)->where, "peduncle.pigment");
 }
 
+TEST(CheckSpecies, OrgansMayCarryOrgansButNotThemselves) {
+  Species species = disc();
+  species.organs.push_back(species.organs[0]);
+  species.organs[1].name = "cluster";
+  species.organs[1].head = species.head;
+  species.organs[1].head->zones = {{"floret", 0.0, 1.0}};
+  species.head.zones = {{"cluster", 0.0, 1.0}};
+  EXPECT_FALSE(check(species));
+  species.organs[0].head = species.organs[1].head;
+  species.organs[0].head->zones = {{"cluster", 0.0, 1.0}};  // a floret of clusters of florets of ...
+  EXPECT_EQ(to_string(*check(species)), "organs.floret.head.zones must not lead back to the organ itself, got floret");
+  species.organs[0].head->zones = {{"flower", 0.0, 1.0}};
+  EXPECT_EQ(check(species)->where, "organs.floret.head.zones.organ");
+}
+
+TEST(CheckSpecies, AFormStandsAlongTwoDirections) {
+  Species species = disc();
+  species.organs[0].axis = {0.0, 0.0, 0.0};
+  EXPECT_EQ(check(species)->where, "organs.floret.axis");
+  species.organs[0].axis = {0.0, 2.0, 0.0};
+  EXPECT_FALSE(check(species));
+  species.organs[0].outward = {0.0, -1.0, 0.0};
+  EXPECT_EQ(check(species)->where, "organs.floret.outward");
+}
+
 }  // namespace
 }  // namespace anthesis

@@ -3,7 +3,12 @@
 namespace anthesis::cli {
 
 void CollisionArguments::add_to(CLI::App& app, const std::string& note) {
-  app.add_flag("--no-collisions", none, "Let organs pass through one another: quick, for a first look");
+  app.add_flag_callback(
+      "--no-collisions", [this] { resolve = false; }, "Let organs pass through one another: quick, for a first look");
+  app.add_flag_callback(
+         "--collisions", [this] { resolve = true; },
+         "Keep organs apart also where the species lets them run into one another")
+      ->excludes("--no-collisions");
   add_whole(app, "--collision-steps", steps, 1, 10000, "Steps in which organs grow and give way" + note);
   app.add_option("--checkpoint", checkpoint, "Folder to save the work on collisions in, until all files are written")
       ->type_name("DIR");

@@ -1,4 +1,5 @@
 #pragma once
+#include <optional>
 #include <span>
 #include <string>
 #include <vector>
@@ -10,13 +11,15 @@ namespace anthesis::cli {
 
 /// The flags that say how organs give way to one another.
 struct CollisionArguments {
-  bool none = false;
+  std::optional<bool> resolve;  ///< absent: as the species has it
   int steps = CollisionOptions().steps;
   std::string checkpoint;
   bool resume = false;
 
   /// `note` ends the help of --collision-steps.
   void add_to(CLI::App& app, const std::string& note = "");
+
+  bool wanted(const Species& species) const { return resolve.value_or(species.collisions); }
 
   /// Refuses flags that do not go together. `resolving`: the command will look for collisions.
   void check(bool resolving) const;

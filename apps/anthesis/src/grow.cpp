@@ -35,7 +35,7 @@ struct Plan {
   std::vector<Output> outputs;
   std::vector<double> times;  ///< stills show the last
   bool animated = false;
-  bool resolving = false;  ///< collisions
+  bool shows_surfaces = false;
 };
 
 /// "out/flower.pc2", .obj -> "out/flower.obj"
@@ -59,11 +59,10 @@ Plan plan_of(const Arguments& arguments) {
   }
   Plan plan;
   plan.outputs = check_outputs(arguments.outputs, kFormats);
-  bool shows_surfaces = false;
   for (std::size_t i = 0; i < plan.outputs.size(); ++i) {
     const Output output = plan.outputs[i];
     plan.animated = plan.animated || output.format == "glb" || output.format == "pc2";
-    shows_surfaces = shows_surfaces || output.format != "csv";
+    plan.shows_surfaces = plan.shows_surfaces || output.format != "csv";
     if (output.format == "obj") {
       check_writable(beside(output, ".mtl"));
     }
@@ -81,8 +80,6 @@ Plan plan_of(const Arguments& arguments) {
   }
   plan.times = plan.animated ? even_times(arguments.frames.value_or(kDefaultFrames))
                              : std::vector<double>{arguments.at.value_or(1.0)};
-  plan.resolving = shows_surfaces && !arguments.collisions.none;
-  arguments.collisions.check(plan.resolving);
   return plan;
 }
 
@@ -90,11 +87,12 @@ Plan plan_of(const Arguments& arguments) {
 class Writer {
  public:
   Writer(const Arguments& arguments, const Plan& plan, const Development& development,
-         const std::vector<Canopy>& canopies, Report& report, const Progress& progress)
+         const std::vector<Canopy>& canopies, bool resolved, Report& report, const Progress& progress)
       : arguments_(arguments),
         plan_(plan),
         development_(development),
         canopies_(canopies),
+        resolved_(resolved),
         report_(report),
         progress_(progress) {}
 
@@ -133,15 +131,14 @@ class Writer {
     }
     // Without collisions organs share meshes, and the file is small.
     const std::string bytes = value_of(report_.time("glb", [&] {
-      return plan_.resolving ? to_glb(development_, canopies_, options, progress_)
-                             : to_glb(development_, options, progress_);
+      return resolved_ ? to_glb(development_, canopies_, options, progress_) : to_glb(development_, options, progress_);
     }));
     if (!arguments_.expected_positions.empty()) {  // for the judges of test/judges: at three keys of the animation
       const int last = static_cast<int>(plan_.times.size()) - 1;
       const std::array<int, 3> keys = {last / 3, 2 * last / 3, last};
       write_output(report_, arguments_.expected_positions,
-                   value_of(plan_.resolving ? expected_positions_json(development_, canopies_, options, keys)
-                                            : expected_positions_json(development_, options, keys)));
+                   value_of(resolved_ ? expected_positions_json(development_, canopies_, options, keys)
+                                      : expected_positions_json(development_, options, keys)));
     }
     write_output(report_, path, bytes);
   }
@@ -160,14 +157,14 @@ class Writer {
       const Scene scene = photographer.pose(development_, canopies_.back(), finer ? &*finer : nullptr);
       return photographer.photograph(scene, scene, progress_);
     });
-    write_output(report_, path,
-                 value_of(encode_png(image, provenance_texts(drawn, plan_.times.back(), plan_.resolving))));
+    write_output(report_, path, value_of(encode_png(image, provenance_texts(drawn, plan_.times.back(), resolved_))));
   }
 
   const Arguments& arguments_;
   const Plan& plan_;
   const Development& development_;
   const std::vector<Canopy>& canopies_;
+  bool resolved_;  ///< organs are kept apart
   Report& report_;
   const Progress& progress_;
 };
@@ -178,14 +175,16 @@ void run(const Arguments& arguments, Console& console) {
   const Progress progress = console.progress();
   Report report;
   const Species species = report.time("species", [&] { return find_plant(arguments.growth.species); });
+  const bool resolving = plan.shows_surfaces && arguments.collisions.wanted(species);
+  arguments.collisions.check(resolving);
   const Development development = grow(arguments.growth, species, report, progress);
   describe_plant(development, plan.times.back(), report);
   report.values["frames"] = plan.times.size();
-  const std::vector<Canopy> canopies = plan.resolving
+  const std::vector<Canopy> canopies = resolving
                                            ? resolve(development, plan.times, arguments.collisions, report, progress)
                                            : canopies_at(development, plan.times);
 
-  Writer writer(arguments, plan, development, canopies, report, progress);
+  Writer writer(arguments, plan, development, canopies, resolving, report, progress);
   for (const Output& output : plan.outputs) {
     writer.write(output);
   }

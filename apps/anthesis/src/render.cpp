@@ -83,8 +83,6 @@ void run(const Arguments& arguments, Console& console) {
   if (arguments.columns && !arguments.frames) {
     throw usage("--columns is for the pictures of --frames: give both");
   }
-  const bool resolving = !arguments.collisions.none && arguments.organ.empty();
-  arguments.collisions.check(resolving);
   check_outputs(arguments.outputs, kFormats);
   const Photographer photographer(arguments.picture);
 
@@ -92,6 +90,8 @@ void run(const Arguments& arguments, Console& console) {
   const Progress progress = console.progress();
   Report report;
   const Species species = report.time("species", [&] { return find_plant(arguments.growth.species); });
+  const bool resolving = arguments.organ.empty() && arguments.collisions.wanted(species);
+  arguments.collisions.check(resolving);
   const Development drawn = grow(arguments.growth, species, report, progress);
   describe_plant(drawn, arguments.at.value_or(1.0), report);
   const std::vector<double> times =

@@ -14,8 +14,16 @@ namespace anthesis {
 /// the last point. See geometry/function_graph.h.
 using FunctionPoints = std::vector<Vec2>;
 
+/// How organs find their places on a receptacle.
+enum class PlacementRule {
+  kCentripetal,  ///< fractionation of a naked meristem from its rim inwards (O16 fig. 11a)
+  kRidley,       ///< bands of given areas on a receptacle of given size (O16 eq. 3)
+  kCollision,    ///< spheres of given radii that roll up from the base until they touch (F92 section 2)
+};
+
 /// The half section of the receptacle at one time, apex to base, as control points (radius, height) of a clamped cubic
-/// B-spline. Only its shape counts: its size follows from the organs it carries (O16 section 4).
+/// B-spline. For rules that grow the meristem only its shape counts: its size follows from the organs it carries (O16
+/// section 4). For kRidley and kCollision it is the receptacle itself, in millimetres.
 struct ReceptacleProfile {
   double time = 0.0;
   std::vector<Vec2> points;
@@ -35,17 +43,35 @@ struct FateRule {
   double cone_deg = 75.0;  ///< half opening angle, (0, 180)
 };
 
-/// A flower head: organs in a spiral on a surface of revolution, produced from the rim inwards.
+/// A flower head: organs in a spiral on a surface of revolution, produced from the rim inwards. Any organ may carry one
+/// too: florets of a floret cluster, spines of a cactus' areole, heads of plants in a pot.
 struct Head {
+  PlacementRule rule = PlacementRule::kCentripetal;
   std::vector<ReceptacleProfile> receptacle;  ///< at least one, times ascending, equal numbers of points
   std::string receptacle_pigment;
   double divergence_deg = 137.50776405003785;  ///< from one organ to the next, counter-clockwise seen from above
   double interval = 0.001;                     ///< developmental time between two organs
-  double meristem_area_mm2 = 10.0;             ///< naked at time 0
+  double height_mm = 0.0;                      ///< of a head that an organ carries: where it stands on the organ's axis
+
+  // Rule kCentripetal.
+  double meristem_area_mm2 = 10.0;                            ///< naked at time 0
   FunctionPoints meristem_growth = {{0.0, 1.0}, {1.0, 1.0}};  ///< factor of the naked region's area against time
-  FunctionPoints area_mm2 = {{0.0, 1.0}, {1.0, 1.0}};     ///< mature area of an organ against its position s at birth
-  FunctionPoints area_growth = {{0.0, 1.0}, {1.0, 1.0}};  ///< share of the mature area against age
-  std::vector<Zone> zones;                                ///< cover [0, 1] without gap or overlap
+  FunctionPoints area_growth = {{0.0, 1.0}, {1.0, 1.0}};      ///< share of the mature area against age
+
+  // Rules kCentripetal and kRidley.
+  FunctionPoints area_mm2 = {{0.0, 1.0}, {1.0, 1.0}};  ///< mature area of an organ against its position s at birth
+
+  // Rules kRidley and kCollision.
+  FunctionPoints growth = {{0.0, 1.0}, {1.0, 1.0}};  ///< factor of the whole receptacle's size against time
+  int count = 0;                                     ///< at most so many organs; 0: as many as there is room for
+
+  // Rule kCollision.
+  FunctionPoints radius_mm = {{0.0, 1.0}, {1.0, 1.0}};  ///< of an organ's sphere against its position s
+  double contact = 1.0;    ///< distance of two centres at contact over the sum of their radii, (0, 1]
+  double fall_back = 1.0;  ///< where radii fall towards the apex: how far an organ may fall back behind the one before
+                           ///< it along the profile, in its own radii (delta of F92 section 2.4)
+
+  std::vector<Zone> zones;  ///< cover [0, 1] without gap or overlap
   std::optional<FateRule> fate;
 };
 
@@ -77,8 +103,14 @@ struct OrganKind {
   FunctionPoints opening = {{0.0, 0.0}, {1.0, 1.0}};    ///< stage in [0, 1] against age
   FunctionPoints size = {{0.0, 1.0}, {1.0, 1.0}};       ///< size factor against position s on the mature receptacle
   FunctionPoints pitch_deg = {{0.0, 0.0}, {1.0, 0.0}};  ///< tilt from the receptacle's normal outward, against age
-  double layering_deg = 0.0;  ///< extra pitch of the first organ of the kind over the last: neighbours lie in layers
-  double sink_mm = 0.0;       ///< how deep the base is set into the receptacle
+  double layering_deg = 0.0;    ///< extra pitch of the first organ of the kind over the last: neighbours lie in layers
+  double sink_mm = 0.0;         ///< how deep the base is set into the receptacle
+  double fits_radius_mm = 0.0;  ///< radius that the organ is drawn for: it grows and shrinks in proportion to
+                                ///< its sphere (F92 section 3.1), or the disc of its area; 0: its size is given
+  Vec3 contact_point_mm;        ///< of the form, which comes to lie on the receptacle (F92 section 3.1)
+  Vec3 axis = {0.0, 0.0, 1.0};  ///< of the form, which comes to lie along the receptacle's normal
+  Vec3 outward = {1.0, 0.0, 0.0};  ///< of the form, which comes to point away from the apex
+  std::optional<Head> head;        ///< organs that it carries itself
   OrganVariation variation;
   Tissue tissue;
 };
@@ -94,9 +126,10 @@ struct Peduncle {
 
 /// A plant, as its file states it; plain data, read once and checked once.
 struct Species {
-  std::string name;     ///< "sunflower"
-  std::string latin;    ///< "Helianthus annuus"
-  std::string summary;  ///< a sentence for lists
+  std::string name;        ///< "sunflower"
+  std::string latin;       ///< "Helianthus annuus"
+  std::string summary;     ///< a sentence for lists
+  bool collisions = true;  ///< whether organs push one another unless asked otherwise
   Head head;
   Peduncle peduncle;
   std::vector<OrganKind> organs;  ///< in the order of the file

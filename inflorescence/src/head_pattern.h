@@ -1,0 +1,38 @@
+#pragma once
+#include <span>
+#include <variant>
+#include <vector>
+
+#include "anthesis/base/error.h"
+#include "anthesis/base/progress.h"
+#include "anthesis/geometry/surface_of_revolution.h"
+#include "anthesis/inflorescence/species.h"
+#include "anthesis/phyllotaxis/fractionation.h"
+
+namespace anthesis {
+
+/// Organs placed once on the mature receptacle; they keep their places on it while its outline grows.
+struct FixedPattern {
+  std::vector<KeyProfile> profiles;
+  FunctionGraph growth;
+  std::vector<Primordium> primordia;
+  std::vector<double> t;  ///< place along the profile
+};
+
+/// The pattern of one head as a function of its own time, whatever the rule that places its organs.
+class HeadPattern {
+ public:
+  static Expected<HeadPattern> make(const Head& head, std::size_t limit, const Progress& progress);
+
+  std::span<const Primordium> primordia() const;
+  SurfaceOfRevolution surface(double time) const;
+
+  /// Of the primordia born by `time`, which are the first so many.
+  std::vector<PrimordiumPlace> places(double time, const SurfaceOfRevolution& surface) const;
+
+ private:
+  explicit HeadPattern(std::variant<Fractionation, FixedPattern> pattern) : pattern_(std::move(pattern)) {}
+  std::variant<Fractionation, FixedPattern> pattern_;
+};
+
+}  // namespace anthesis
