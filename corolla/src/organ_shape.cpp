@@ -24,6 +24,14 @@ std::optional<Error> check_stage(const std::string& where, double stage, double 
   return std::nullopt;
 }
 
+/// Whether the way from `b` to `c` is that from `a` to `b` backwards, to some twenty degrees.
+bool turns_back(const SectionPoint& a, const SectionPoint& b, const SectionPoint& c) {
+  const Vec3 before{b.across - a.across, b.up - a.up, b.forward - a.forward};
+  const Vec3 after{c.across - b.across, c.up - b.up, c.forward - b.forward};
+  const double sizes = length(before) * length(after);
+  return sizes > 0.0 && dot(before, after) < -0.94 * sizes;
+}
+
 std::optional<Error> check_pose(const PetalPose& pose, const Petals& petals, const std::string& where) {
   const std::size_t rows = pose.midrib_mm.size();
   if (rows < static_cast<std::size_t>(petals.degree_along) + 1) {
@@ -79,8 +87,13 @@ std::optional<Error> check_pose(const PetalPose& pose, const Petals& petals, con
           return error;
         }
       }
-      if (i == 0 ? section[i].across != 0.0 : section[i].across < section[i - 1].across) {
-        return invalid_parameter(where + ".sections", "must run across from 0 at the midrib to the margin",
+      if (i == 0 ? section[i].across != 0.0 : section[i].across < 0.0) {
+        return invalid_parameter(where + ".sections", "must start across 0 at the midrib and stay on its side of it",
+                                 section[i].across);
+      }
+      // A margin may roll inwards until it meets the other one, but a kink of half a turn is a mistake.
+      if (i > 1 && turns_back(section[i - 2], section[i - 1], section[i])) {
+        return invalid_parameter(where + ".sections", "must not turn straight back: roll inwards through up",
                                  section[i].across);
       }
     }
@@ -189,7 +202,52 @@ std::optional<Error> check_column(const Column& column, const std::string& where
   return std::nullopt;
 }
 
+std::optional<Error> check_hairs(const OrganShape& shape, const Hairs& hairs, const std::string& where) {
+  const auto named = [&](const auto& part) { return part.name == hairs.on; };
+  const bool flat = std::any_of(shape.petals.begin(), shape.petals.end(), named);
+  if (!flat && std::none_of(shape.columns.begin(), shape.columns.end(), named)) {
+    std::vector<std::string_view> names;
+    for (const Petals& petals : shape.petals) {
+      names.emplace_back(petals.name);
+    }
+    for (const Column& column : shape.columns) {
+      names.emplace_back(column.name);
+    }
+    const std::string_view near = nearest_name(hairs.on, names.data(), names.size());
+    return Error{ErrorCode::kUnknownParameter, where + ".on",
+                 "must name petals or a column of the same organ, got \"" + hairs.on + '"' +
+                     (near.empty() ? "" : "; did you mean \"" + std::string(near) + "\"?")};
+  }
+  if (!flat && hairs.lower) {
+    return invalid_parameter(where + ".lower", "must be false on a column, which has only an outside", "true");
+  }
+  return check(hairs, where);
+}
+
 }  // namespace
+
+std::optional<Error> check(const Hairs& hairs, std::string_view where) {
+  const std::string prefix(where);
+  if (!hairs.upper && !hairs.lower) {
+    return invalid_parameter(prefix + ".upper", "must be true unless lower is", "false");
+  }
+  if (auto error = check_number(prefix + ".density_per_mm2", hairs.density_per_mm2, 1e-6, 1000.0))
+    return error;
+  if (auto error = check_range(prefix + ".along", hairs.along, 0.0, 1.0))
+    return error;
+  if (hairs.along[0] == hairs.along[1]) {
+    return invalid_parameter(prefix + ".along", "must be of some length", hairs.along[0]);
+  }
+  if (auto error = check_range(prefix + ".length_mm", hairs.length_mm, 1e-3, 1000.0))
+    return error;
+  if (auto error = check_number(prefix + ".radius_mm", hairs.radius_mm, 1e-4, 100.0))
+    return error;
+  if (auto error = check_range(prefix + ".lean_deg", hairs.lean_deg, -90.0, 90.0))
+    return error;
+  if (auto error = check_range(prefix + ".swirl_deg", hairs.swirl_deg, -180.0, 180.0))
+    return error;
+  return check_range(prefix + ".bend_deg", hairs.bend_deg, -360.0, 360.0);
+}
 
 std::optional<Error> check(const OrganShape& shape, std::string_view where) {
   if (shape.petals.empty() && shape.columns.empty()) {
@@ -201,6 +259,10 @@ std::optional<Error> check(const OrganShape& shape, std::string_view where) {
   }
   for (std::size_t i = 0; i < shape.columns.size(); ++i) {
     if (auto error = check_column(shape.columns[i], at(where, "columns", i)))
+      return error;
+  }
+  for (std::size_t i = 0; i < shape.hairs.size(); ++i) {
+    if (auto error = check_hairs(shape, shape.hairs[i], at(where, "hairs", i)))
       return error;
   }
   const std::string variation = std::string(where) + ".shape_variation";

@@ -17,6 +17,8 @@
 namespace anthesis {
 namespace {
 
+constexpr std::uint64_t kMaxKindsOfHairs = 1024;  // of one organ: keeps the keys of variants apart
+
 /// One copy of a petal: first mirrored in y = 0, then turned about the axis.
 struct Copy {
   double azimuth_rad = 0.0;
@@ -95,6 +97,7 @@ struct OrganTemplate::State {
   std::vector<TemplateGroup> groups;
   std::vector<PetalSurface> petals;
   std::vector<ColumnSurface> columns;
+  HairCoat hairs;
 
   void add(const Petals& petals, const OrganShape& shape, double detail, const ShapeDeviation& deviation);
   void add(const Column& column, double detail);
@@ -120,6 +123,10 @@ std::size_t OrganTemplate::vertex_count() const {
 }
 std::span<const std::uint32_t> OrganTemplate::twins() const {
   return state_->twins;
+}
+
+const HairCoat& OrganTemplate::hairs() const {
+  return state_->hairs;
 }
 
 std::size_t OrganTemplate::count_vertices(const OrganShape& shape, double detail) {
@@ -155,7 +162,27 @@ Expected<OrganTemplate> OrganTemplate::build(const OrganShape& shape, double det
   for (std::uint32_t i = 0; i < state->twins.size(); ++i) {
     state->twins[i] = state->twins[state->twins[i]];
   }
-  return OrganTemplate(std::move(state));
+  const OrganTemplate organ(state);
+  if (!shape.hairs.empty()) {
+    std::vector<Vec3> grown_mm(organ.vertex_count());
+    std::vector<Vec3> normals(organ.vertex_count());
+    organ.pose(1.0, grown_mm, normals);
+    double wanted = 0.0;
+    for (std::size_t i = 0; i < shape.hairs.size(); ++i) {
+      const Hairs& hairs = shape.hairs[i];
+      const auto group = std::find_if(state->groups.begin(), state->groups.end(),
+                                      [&](const TemplateGroup& g) { return g.name == hairs.on; });
+      ANTHESIS_ASSERT(group != state->groups.end());
+      wanted += state->hairs.plant(hairs, organ.triangles().subspan(group->first_triangle, group->triangle_count),
+                                   organ.uvs(), grown_mm, seed, variant * kMaxKindsOfHairs + i);
+    }
+    if (wanted > static_cast<double>(HairCoat::kMaxHairs)) {
+      return unexpected(Error{ErrorCode::kTooLarge, "",
+                              "must have at most " + std::to_string(HairCoat::kMaxHairs) + " hairs, got " +
+                                  to_text(wanted) + ": lower their density_per_mm2"});
+    }
+  }
+  return organ;
 }
 
 void OrganTemplate::State::begin_group(const std::string& name, const std::string& pigment) {

@@ -58,6 +58,29 @@ OrganShape ligule() {
   return shape;
 }
 
+/// A ray rolled into a closed quill that opens into a spoon, as in a ball dahlia.
+OrganShape quill() {
+  const std::vector<SectionPoint> closed = {{0, 0, 0},      {0.55, 0, 0},   {0.98, 0.4, 0}, {1.08, 1, 0},
+                                            {0.95, 1.6, 0}, {0.5, 1.95, 0}, {0.15, 1.86, 0}};
+  const std::vector<SectionPoint> spoon = {{0, 0, 0},       {0.5, 0.02, 0}, {0.85, 0.15, 0}, {1.05, 0.3, 0},
+                                           {1.15, 0.55, 0}, {1.1, 0.85, 0}, {1, 1.1, 0}};
+  Petals petals;
+  petals.name = "ligule";
+  petals.spacing = {{0, 0.08}, {1, 0.08}};
+  petals.vertices = {{0, 11}, {1, 11}};
+  petals.poses.resize(2);
+  petals.poses[0].midrib_mm = {{1, 0}, {1, 4}, {1, 8}, {1, 12}, {0, 16}, {-1, 20}};
+  petals.poses[0].half_width_mm = {1, 1, 1, 1, 1, 0.8};
+  petals.poses[0].sections = {closed};
+  petals.poses[1].stage = 1.0;
+  petals.poses[1].midrib_mm = {{1, 0}, {1, 5}, {2, 10}, {3, 15}, {4, 20}, {4, 25}};
+  petals.poses[1].half_width_mm = {1, 1.5, 2.5, 3.5, 4.5, 4};
+  petals.poses[1].sections = {closed, closed, closed, closed, spoon, spoon};
+  OrganShape shape;
+  shape.petals = {petals};
+  return shape;
+}
+
 struct Posed {
   std::vector<Vec3> positions_mm;
   std::vector<Vec3> normals;
@@ -160,7 +183,7 @@ TEST(OrganTemplate, ATwistedLiguleKeepsItsLateralPetalsBesideTheMedianOne) {
 }
 
 TEST(OrganTemplate, NoTriangleIsDegenerateOrInvertedAtAnyStage) {
-  for (const OrganShape& shape : {tube(), ligule()}) {
+  for (const OrganShape& shape : {tube(), ligule(), quill()}) {
     for (const double detail : {1.0, 2.0, 3.0}) {
       const OrganTemplate organ = *OrganTemplate::build(shape, detail, 1, 0);
       for (int step = 0; step <= 20; ++step) {
@@ -208,6 +231,31 @@ TEST(OrganTemplate, ColumnsArePointedClosedAndFaceOutwards) {
   EXPECT_NEAR(tip.z, 4.5 * math::cos(math::radians(15.0)), 1e-12);
 }
 
+TEST(OrganTemplate, AMarginMayRollInwardsUntilItNearlyMeetsTheOther) {
+  ASSERT_FALSE(check(quill(), "organs.x"));
+  const OrganTemplate organ = *OrganTemplate::build(quill(), 1.0, 1, 0);
+  for (const double stage : {0.0, 0.4, 0.7, 1.0}) {
+    const Posed posed = pose_of(organ, stage);
+    for (std::uint32_t left = 0; left + 10 < organ.vertex_count(); left += 11) {
+      const double v = organ.uvs()[left].y;
+      if (v > (stage < 1.0 ? 0.3 : 0.4)) {
+        continue;  // the spoon begins
+      }
+      const Vec3 gap = posed.positions_mm[left] - posed.positions_mm[left + 10];
+      const Vec3 middle = posed.positions_mm[left + 5];
+      const Vec3 margins = 0.5 * (posed.positions_mm[left] + posed.positions_mm[left + 10]);
+      // The left margin stays left of the right one, across the tube from the midrib.
+      EXPECT_GT(gap.y, 0.0) << stage << " " << v;
+      EXPECT_LT(length(gap), 0.3 * length(margins - middle)) << stage << " " << v;
+      // The upper side is the inside.
+      const Vec3 axis = 0.5 * (middle + margins);
+      for (std::uint32_t i = left; i <= left + 10; ++i) {
+        EXPECT_GT(dot(posed.normals[i], axis - posed.positions_mm[i]), 0.0) << stage << " " << v;
+      }
+    }
+  }
+}
+
 TEST(OrganTemplate, VariantsDifferAndRepeat) {
   OrganShape shape = ligule();
   shape.variation.curl_deg = {-20, 20};
@@ -248,6 +296,12 @@ TEST(CheckOrganShape, NamesWhatIsWrong) {
   shape = tube();
   shape.petals[0].spacing[0].y = 0.0;
   EXPECT_EQ(check(shape, "organs.x")->where, "organs.x.petals[0].spacing");
+  shape = quill();
+  shape.petals[0].poses[0].sections[0][3].across = -0.1;  // beyond the midrib
+  EXPECT_EQ(check(shape, "organs.x")->where, "organs.x.petals[0].poses[0].sections");
+  shape = tube();
+  std::swap(shape.petals[0].poses[0].sections[0][1], shape.petals[0].poses[0].sections[0][2]);  // there and back
+  EXPECT_EQ(check(shape, "organs.x")->where, "organs.x.petals[0].poses[0].sections");
   shape = ligule();
   shape.petals[1].fused_with = "corona";
   EXPECT_EQ(check(shape, "organs.x")->where, "organs.x.petals[1].fused_with");

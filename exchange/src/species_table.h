@@ -71,7 +71,7 @@ constexpr PointsRule curve(Limits x, Limits y) {
 
 /// The values of an enumeration, in its order, as a file names them.
 using Choices = std::span<const char* const>;
-inline constexpr std::array kPlacementRules = {"centripetal", "ridley", "collision"};
+inline constexpr std::array kPlacementRules = {"centripetal", "divergent", "segregation", "ridley", "collision"};
 
 enum class Need { kOptional, kRequired };
 enum class Layout { kOwnTable, kInline };  ///< [head.fate] or variation = { ... }
@@ -95,8 +95,8 @@ void describe(V& v, Table<ReceptacleProfile>) {
   using T = ReceptacleProfile;
   v.number("time", &T::time, kUnit, "Developmental time of this outline; ascending over the list.", Need::kRequired);
   v.points("points", &T::points, curve(kLength, kOffset),
-           "Half outline from apex to base: control points [radius, height] of a B-spline. Only the shape counts; the "
-           "size follows from the organs.",
+           "Half outline from apex to base: control points [radius, height] of a B-spline. On a growing meristem "
+           "only the shape counts, the size follows from the organs; else in mm.",
            Need::kRequired);
 }
 
@@ -122,42 +122,70 @@ void describe(V& v, Table<Head>) {
   using T = Head;
   v.choice(
       "rule", &T::rule, kPlacementRules,
-      "How organs find their places: centripetal, a growing meristem is covered from its rim inwards; ridley, bands "
-      "of given areas on a receptacle of given size; collision, spheres of given radii that roll up the receptacle "
-      "until they touch.");
+      "How organs find their places. A growing meristem is covered: centripetal, from its rim inwards; divergent, "
+      "from a line between its middle and its rim both ways; segregation, it gives off an organ whenever it is large "
+      "enough. On a receptacle of given size: ridley, bands of given areas; collision, spheres of given radii that "
+      "roll up from the base until they touch.");
   v.number("divergence_deg", &T::divergence_deg, between(-360.0, 360.0),
            "Angle from one organ to the next, in degrees, counter-clockwise seen from above. The golden angle is "
            "137.50776405003785.");
-  v.number("interval", &T::interval, above(0.0, 1.0), "Developmental time between two organs.");
-  v.integer("count", &T::count, 0, 100000,
-            "Rules ridley and collision: at most so many organs; 0 is as many as there is room for.");
+  v.number("interval", &T::interval, above(0.0, 1.0), "Developmental time between two organs; not for segregation.");
   v.number("height_mm", &T::height_mm, kOffset,
            "Of a head that an organ carries: where it stands on the organ's axis, in mm.");
-  v.points("growth", &T::growth, function_of(kUnit, above(0.0, 100.0)),
-           "Rules ridley and collision: factor of the receptacle's size against time: control points [time, factor].");
-  v.points("radius_mm", &T::radius_mm, function_of(kUnit, above(0.0, 10000.0)),
-           "Rule collision: radius of an organ's sphere against its position: control points [position, mm]; 0 apex, 1 "
-           "base.");
-  v.number("contact", &T::contact, within(0.05, 1.0),
-           "Rule collision: distance of two touching organs over the sum of their radii; below 1 they run into each "
-           "other.");
-  v.number("fall_back", &T::fall_back, within(0.0, 1e6),
-           "Rule collision, where organs get smaller towards the apex: how far one may fall back behind the one before "
-           "it, in its own radii.");
-  v.number("meristem_area_mm2", &T::meristem_area_mm2, kArea, "Area that is still naked at time 0, in square mm.");
+  v.number("meristem_area_mm2", &T::meristem_area_mm2, kArea,
+           "Growing meristems: area of the middle that is still naked at time 0, in square mm.");
   v.points("meristem_growth", &T::meristem_growth, function_of(kUnit, kFactor),
-           "Factor of the naked area against time: control points [time, factor].");
-  v.points("area_mm2", &T::area_mm2, function_of(kUnit, kArea),
-           "Mature area of an organ against its position at birth: control points [position, square mm]; 0 apex, 1 "
-           "base.");
+           "Growing meristems: factor of the naked area against time: control points [time, factor].");
+  v.points(
+      "meristem_rate", &T::meristem_rate, function_of(kUnit, within(-1000.0, 1000.0)),
+      "Growing meristems: relative rate at which the naked area grows, in place of its factor: control points [time, "
+      "rate]; a constant rate is exponential growth.");
   v.points("area_growth", &T::area_growth, function_of(kUnit, kFactor),
-           "Share of its mature area that an organ has reached, against age: control points [age, share].");
+           "Growing meristems: share of its mature area that an organ has reached, against age: control points [age, "
+           "share].");
+  v.number("outer_area_mm2", &T::outer_area_mm2, kArea, "Divergent: area of the rim that is naked at time 0.");
+  v.points("outer_growth", &T::outer_growth, function_of(kUnit, kFactor),
+           "Divergent: factor of the naked rim's area against time: control points [time, factor].");
+  v.number("threshold_area_mm2", &T::threshold_area_mm2, kArea,
+           "Segregation: area of the naked middle at which it gives off an organ, in square mm.");
+  v.points("area_mm2", &T::area_mm2, function_of(kUnit, kArea),
+           "All rules but collision: mature area of an organ against its position at birth: control points [position, "
+           "square mm]; 0 apex, 1 base.");
+  v.points("growth", &T::growth, function_of(kUnit, kFactor),
+           "Given size: factor of the receptacle's size against time: control points [time, factor].");
+  v.integer("count", &T::count, 0, 100000, "Given size: at most so many organs; 0 is as many as there is room for.");
+  v.points(
+      "radius_mm", &T::radius_mm, function_of(kUnit, above(0.0, 10000.0)),
+      "Collision: radius of an organ's sphere against its position: control points [position, mm]; 0 apex, 1 base.");
+  v.number("contact_factor", &T::contact_factor, within(0.05, 1.0),
+           "Collision: distance of two touching organs over the sum of their radii; below 1 they run into each other.");
+  v.flag("bezier", &T::bezier,
+         "Given size: outlines are cubic Bezier curves, end to end, of 3 n + 1 points; otherwise one B-spline.");
   v.name("receptacle_pigment", &T::receptacle_pigment, NameOf::kPigment, "Pigment of the naked receptacle.");
   v.list("receptacle", &T::receptacle, Count{1, 32}, "Outline of the receptacle at key times, at least one.",
          Need::kRequired);
   v.list("zones", &T::zones, Count{1, 64},
          "What grows where: zones that cover positions 0 to 1 without gap or overlap.", Need::kRequired);
   v.option("fate", &T::fate, "Florets with room become another kind (rays at the rim): the cone rule.");
+}
+
+template <class V>
+void describe(V& v, Table<Hairs>) {
+  using T = Hairs;
+  v.name("on", &T::on, NameOf::kNothing,
+         "Name of the petals or column of the same organ that they stand on; left out for the hairs of the stem.");
+  v.name("pigment", &T::pigment, NameOf::kPigment, "Their pigment, from root to tip.", Need::kRequired);
+  v.flag("upper", &T::upper, "They stand on the upper side of petals, on the outside of columns and the stem.");
+  v.flag("lower", &T::lower, "They stand on the lower side of petals.");
+  v.number("density_per_mm2", &T::density_per_mm2, within(1e-6, 1000.0),
+           "Hairs on a square mm of each side, when it is full grown.");
+  v.range("along", &T::along, kUnit, "The part that they stand on, from base 0 to tip 1.");
+  v.range("length_mm", &T::length_mm, within(0.001, 1000.0), "Length when full grown, in mm.");
+  v.number("radius_mm", &T::radius_mm, within(0.0001, 100.0), "Radius at the root, in mm; they end in a point.");
+  v.range("lean_deg", &T::lean_deg, within(-90.0, 90.0), "Lean from the surface's normal towards its tip, in degrees.");
+  v.range("swirl_deg", &T::swirl_deg, kHalfTurn,
+          "Turn of the lean's direction about the normal, in degrees; [-180, 180] is any direction.");
+  v.range("bend_deg", &T::bend_deg, kTurn, "Further lean over the length, in degrees.");
 }
 
 template <class V>
@@ -169,6 +197,7 @@ void describe(V& v, Table<Peduncle>) {
   v.number("bend_deg", &T::bend_deg, kHalfTurn, "Bend of the whole stem, in degrees.");
   v.points("growth", &T::growth, function_of(kUnit, kFactor),
            "Factor of the length against time: control points [time, factor].");
+  v.list("hairs", &T::hairs, Count{0, 32}, "Hairs that are drawn on it.");
 }
 
 template <class V>
@@ -182,9 +211,10 @@ void describe(V& v, Table<PetalPose>) {
             "Half width of the petal at each point of the midrib, in mm.", Need::kRequired);
   v.numbers("side_mm", &T::side_mm, kOffset, Count{0, kPoints.max},
             "Sideways shift of each row, in mm; left out for symmetric petals.");
-  v.sections("section", "sections", &T::sections,
-             "Half cross-section as points [across, up] or [across, up, forward], in units of the half width there: "
-             "across 0 is the midrib and 1 the margin.");
+  v.sections(
+      "section", "sections", &T::sections,
+      "Half cross-section as points [across, up] or [across, up, forward], in units of the half width there: "
+      "across 0 is the midrib, 1 the half width. A margin may come back: a section that rolls inwards is a tube.");
 }
 
 template <class V>
@@ -273,6 +303,9 @@ inline constexpr auto kShapePetals = [](auto& kind) -> auto& {
 inline constexpr auto kShapeColumns = [](auto& kind) -> auto& {
   return kind.shape.columns;
 };
+inline constexpr auto kShapeHairs = [](auto& kind) -> auto& {
+  return kind.shape.hairs;
+};
 inline constexpr auto kShapeVariation = [](auto& kind) -> auto& {
   return kind.shape.variation;
 };
@@ -307,6 +340,7 @@ void describe(V& v, Table<OrganKind>) {
   v.list("petals", kShapePetals, Count{0, 32},
          "Sets of petals, or of anything flat: ligules, corolla lobes, bracts, leaves.");
   v.list("columns", kShapeColumns, Count{0, 32}, "Parts that are round: stamens, styles, ovaries, pappus.");
+  v.list("hairs", kShapeHairs, Count{0, 32}, "Hairs that are drawn on petals and columns.");
   v.option("head", &T::head, "Organs that the organ carries itself: the same table as the plant's own head.");
 }
 

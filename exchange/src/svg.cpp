@@ -6,90 +6,32 @@
 
 #include "anthesis/base/math.h"
 #include "check_time.h"
+#include "drawing.h"
 #include "provenance.h"
 #include "text.h"
 
 namespace anthesis {
 namespace {
 
-constexpr char kFont[] = "Helvetica, Arial, 'Liberation Sans', sans-serif";
-constexpr char kInk[] = "#222222";
-constexpr char kFaint[] = "#8a8a8a";
+using detail::age_colour;
+using detail::attribute;
+using detail::escaped;
+using detail::kFaint;
+using detail::kInk;
+using detail::line;
+using detail::open_svg;
+using detail::px;
+using detail::text_at;
 
 // Okabe and Ito's palette: told apart by the colour-blind, and in print.
 constexpr std::array<const char*, 8> kKindColours = {"#E69F00", "#009E73", "#56B4E9", "#CC79A7",
                                                      "#F0E442", "#0072B2", "#D55E00", "#999999"};
-
-/// Two decimals are a hundredth of a pixel; trailing zeros go.
-std::string px(double value) {
-  char digits[64];
-  const std::to_chars_result end =
-      std::to_chars(digits, digits + sizeof(digits), std::clamp(value, -1e9, 1e9), std::chars_format::fixed, 2);
-  std::string text(digits, end.ptr);
-  while (text.back() == '0') {
-    text.pop_back();
-  }
-  if (text.back() == '.') {
-    text.pop_back();
-  }
-  return text == "-0" ? "0" : text;
-}
 
 /// The shortest text of a tick value: 0.30000000000000004 is not one.
 std::string tick_text(double value) {
   char digits[64];
   const std::to_chars_result end = std::to_chars(digits, digits + sizeof(digits), value, std::chars_format::general, 6);
   return std::string(digits, end.ptr);
-}
-
-std::string escaped(std::string_view text) {
-  std::string result;
-  for (const char c : detail::one_line(text)) {
-    switch (c) {
-      case '&':
-        result += "&amp;";
-        break;
-      case '<':
-        result += "&lt;";
-        break;
-      case '>':
-        result += "&gt;";
-        break;
-      case '"':
-        result += "&quot;";
-        break;
-      default:
-        result += c;
-    }
-  }
-  return result;
-}
-
-std::string attribute(std::string_view name, std::string_view value) {
-  std::string text;
-  detail::append(text, " ", name, "=\"", escaped(value), "\"");
-  return text;
-}
-
-void open_svg(std::string& svg, double width, double height, std::string_view title) {
-  detail::append(svg, "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n<svg xmlns=\"http://www.w3.org/2000/svg\"",
-                 attribute("width", px(width)), attribute("height", px(height)),
-                 attribute("viewBox", "0 0 " + px(width) + " " + px(height)), attribute("font-family", kFont),
-                 attribute("fill", kInk), ">\n<title>", escaped(title),
-                 "</title>\n<rect width=\"100%\" height=\"100%\" fill=\"#ffffff\"/>\n");
-}
-
-void text_at(std::string& svg, double x, double y, double size, std::string_view anchor, std::string_view colour,
-             std::string_view words, std::string_view more = "") {
-  detail::append(svg, "<text", attribute("x", px(x)), attribute("y", px(y)), attribute("font-size", px(size)),
-                 attribute("text-anchor", anchor), attribute("fill", colour), more, ">", escaped(words), "</text>\n");
-}
-
-void line(std::string& svg, double x0, double y0, double x1, double y1, std::string_view colour, double width,
-          std::string_view more = "") {
-  detail::append(svg, "<line", attribute("x1", px(x0)), attribute("y1", px(y0)), attribute("x2", px(x1)),
-                 attribute("y2", px(y1)), attribute("stroke", colour), attribute("stroke-width", px(width)), more,
-                 "/>\n");
 }
 
 /// The smallest of 1, 2, 5 times a power of ten that is not below `value`, which is finite and > 0.
@@ -107,21 +49,6 @@ double round_up(double value) {
     }
   }
   return value;
-}
-
-std::string age_colour(double age) {
-  constexpr std::array<std::array<double, 3>, 3> kStops = {{{58, 166, 85}, {232, 198, 58}, {200, 55, 45}}};
-  const double place = 2.0 * std::clamp(age, 0.0, 1.0);
-  const std::size_t i = place < 1.0 ? 0 : 1;
-  const double f = place - static_cast<double>(i);
-  std::string colour = "#";
-  for (std::size_t c = 0; c < 3; ++c) {
-    constexpr char kDigits[] = "0123456789abcdef";
-    const long value = std::lround((1.0 - f) * kStops[i][c] + f * kStops[i + 1][c]);
-    colour += kDigits[value / 16];
-    colour += kDigits[value % 16];
-  }
-  return colour;
 }
 
 bool finite(const PlanDisc& disc) {

@@ -296,6 +296,37 @@ TEST(ReadSpecies, QuotesLongAndStrangeTextShort) {
   EXPECT_LT(error_with("\"#ffd21f\"", "\"" + std::string(100000, 'x') + "\"").size(), 200u);
 }
 
+TEST(ReadSpecies, HairsStandOnAPartOfTheirOrganOrOnTheStem) {
+  const std::string hairy = replaced(
+      replaced(kDaisy, "[organs.bract]\n",
+               "[[organs.floret.hairs]]\non = \"tube\"\npigment = \"white\"\nalong = [0.5, 1]\n[organs.bract]\n"),
+      "length_mm = 80.0\n", "length_mm = 80.0\n[[peduncle.hairs]]\npigment = \"white\"\nlength_mm = [0.5, 2]\n");
+  const Expected<Species> read = read_species(hairy, "hairy.toml");
+  ASSERT_TRUE(read) << to_string(read.error());
+  ASSERT_EQ(read->organs[1].shape.hairs.size(), 1u);
+  EXPECT_EQ(read->organs[1].shape.hairs[0].on, "tube");
+  EXPECT_EQ(read->organs[1].shape.hairs[0].along, (Range{0.5, 1.0}));
+  ASSERT_EQ(read->peduncle.hairs.size(), 1u);
+  EXPECT_EQ(read->peduncle.hairs[0].length_mm, (Range{0.5, 2.0}));
+  const Expected<Species> again = read_species(write_species(*read), "again.toml");
+  ASSERT_TRUE(again) << to_string(again.error());
+  EXPECT_EQ(again->organs[1].shape.hairs[0].along, (Range{0.5, 1.0}));
+  EXPECT_EQ(again->peduncle.hairs[0].length_mm, (Range{0.5, 2.0}));
+
+  const auto error_with = [&](const std::string& from, const std::string& to) {
+    const Expected<Species> spoilt = read_species(replaced(hairy, from, to), "hairy.toml");
+    return spoilt ? "no error" : to_string(spoilt.error());
+  };
+  EXPECT_EQ(error_with("on = \"tube\"", "on = \"tub\""),
+            "hairy.toml:63:6: organs.floret.hairs[0].on must name petals or a column of the same organ, got \"tub\"; "
+            "did you mean \"tube\"?");
+  EXPECT_EQ(error_with("[[peduncle.hairs]]\n", "[[peduncle.hairs]]\non = \"stem\"\n"),
+            "hairy.toml:32:6: peduncle.hairs[0].on must be left out: they stand on the stem, got stem");
+  EXPECT_EQ(error_with("along = [0.5, 1]", "along = [0.5, 1]\nlower = true"),
+            "hairy.toml:66:9: organs.floret.hairs[0].lower must be false on a column, which has only an outside, got "
+            "true");
+}
+
 TEST(WriteSpecies, ReadsBackAsTheSameSpecies) {
   const Expected<Species> daisy = read_species(kDaisy, "daisy.toml");
   ASSERT_TRUE(daisy);

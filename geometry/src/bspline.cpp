@@ -40,4 +40,38 @@ BasisFunctions clamped_basis(int control_points, int degree, double t) {
   return basis;
 }
 
+BasisFunctions clamped_basis(std::span<const double> inner_knots, int degree, double t) {
+  ANTHESIS_ASSERT(degree >= 1 && degree <= kMaxDegree);
+  t = std::clamp(t, 0.0, 1.0);
+  const int count = static_cast<int>(inner_knots.size());
+  // Knots not above t; none of them is 1, so t = 1 belongs to the last piece.
+  const int piece = static_cast<int>(std::upper_bound(inner_knots.begin(), inner_knots.end(), t) - inner_knots.begin());
+  const auto knot = [&](int i) { return i < 0 ? 0.0 : i >= count ? 1.0 : inner_knots[i]; };
+
+  BasisFunctions basis;
+  basis.first = piece;
+  basis.count = degree + 1;
+  basis.weight[0] = 1.0;
+  for (int d = 1; d <= degree; ++d) {
+    double carried = 0.0;
+    for (int r = 0; r < d; ++r) {
+      const double right = knot(piece + r) - t;
+      const double left = t - knot(piece - d + r);
+      const double share = basis.weight[r] / (right + left);
+      basis.weight[r] = carried + right * share;
+      carried = left * share;
+    }
+    basis.weight[d] = carried;
+  }
+  return basis;
+}
+
+std::vector<double> bezier_chain_knots(int pieces, int degree) {
+  std::vector<double> knots;
+  for (int i = 1; i < pieces; ++i) {
+    knots.insert(knots.end(), static_cast<std::size_t>(degree), static_cast<double>(i) / pieces);
+  }
+  return knots;
+}
+
 }  // namespace anthesis

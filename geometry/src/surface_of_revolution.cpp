@@ -2,14 +2,17 @@
 
 #include <algorithm>
 #include <cmath>
+#include <string>
+#include <utility>
 
 #include "anthesis/base/math.h"
 
 namespace anthesis {
 
-SurfaceOfRevolution::SurfaceOfRevolution(std::vector<Vec2> controls_mm, int degree) {
-  profile_.degree = degree;
-  profile_.controls = std::move(controls_mm);
+SurfaceOfRevolution::SurfaceOfRevolution(std::vector<Vec2> controls_mm, int degree)
+    : SurfaceOfRevolution(BSplineCurve<Vec2>{degree, std::move(controls_mm)}) {}
+
+SurfaceOfRevolution::SurfaceOfRevolution(BSplineCurve<Vec2> profile_mm) : profile_(std::move(profile_mm)) {
   length_ = ArcLength(profile_);
   area_ =
       CumulativeIntegral([this](double t) { return math::kTurnRad * radius_mm(t) * speed_mm(t); }, profile_.knots());
@@ -57,6 +60,40 @@ std::optional<Error> check_profile(std::string_view where, std::span<const Vec2>
   const auto same = [&](Vec2 point) { return point == controls_mm.front(); };
   if (std::all_of(controls_mm.begin(), controls_mm.end(), same)) {
     return invalid_parameter(where, "must have two different points", controls_mm.front().x);
+  }
+  return std::nullopt;
+}
+
+std::optional<Error> check_profile(std::string_view where, const BSplineCurve<Vec2>& profile_mm) {
+  if (auto error = check_profile(where, std::span<const Vec2>(profile_mm.controls))) {
+    return error;
+  }
+  const int degree = profile_mm.degree;
+  if (degree < 1 || degree > kMaxDegree) {
+    return invalid_parameter(where, "must have a degree from 1 to " + std::to_string(kMaxDegree), degree);
+  }
+  const auto points = static_cast<double>(profile_mm.controls.size());
+  if (points < degree + 1) {
+    return invalid_parameter(where, "must have more points than its degree", points);
+  }
+  const std::vector<double>& knots = profile_mm.inner_knots;
+  if (knots.empty()) {
+    return std::nullopt;
+  }
+  if (knots.size() + degree + 1 != profile_mm.controls.size()) {
+    return invalid_parameter(where, "must have as many interior knots as points less its degree less 1",
+                             static_cast<double>(knots.size()));
+  }
+  for (std::size_t i = 0; i < knots.size(); ++i) {
+    if (!(knots[i] > 0.0 && knots[i] < 1.0)) {
+      return invalid_parameter(where, "must have interior knots between 0 and 1", knots[i]);
+    }
+    if (i > 0 && knots[i] < knots[i - 1]) {
+      return invalid_parameter(where, "must have ascending knots", knots[i]);
+    }
+    if (i >= static_cast<std::size_t>(degree) && knots[i] == knots[i - degree]) {
+      return invalid_parameter(where, "must repeat no interior knot more often than its degree", knots[i]);
+    }
   }
   return std::nullopt;
 }

@@ -58,6 +58,44 @@ TEST(SurfaceOfRevolution, CoincidentControlPointsStillHaveANormal) {
   EXPECT_NEAR(length(frame.normal), 1.0, 1e-12);
 }
 
+TEST(SurfaceOfRevolution, ChainOfBezierCurvesMayHaveCorners) {
+  // A cylinder with a flat lid, in one profile.
+  const SurfaceOfRevolution tin(bezier_chain<Vec2>({{0, 5}, {2, 5}, {2, 0}}, 1));
+  EXPECT_NEAR(tin.area_mm2(), math::kPi * (4.0 + 2.0 * 2.0 * 5.0), 1e-11);
+  EXPECT_NEAR(tin.length_mm(), 7.0, 1e-13);
+  EXPECT_NEAR(tin.s_from_t(0.5), 2.0 / 7.0, 1e-14);
+  EXPECT_NEAR(length(tin.frame(0.25, 1.0).normal - Vec3{0, 0, 1}), 0.0, 1e-15);
+  EXPECT_NEAR(tin.frame(0.75, 1.0).normal.z, 0.0, 1e-15);
+}
+
+TEST(SurfaceOfRevolution, QuarterCirclesMakeASphere) {
+  const double k = 0.5522847498;
+  const SurfaceOfRevolution sphere(bezier_chain<Vec2>({{0, 1}, {k, 1}, {1, k}, {1, 0}, {1, -k}, {k, -1}, {0, -1}}, 3));
+  EXPECT_NEAR(sphere.area_mm2(), 4.0 * math::kPi, 0.01);
+  EXPECT_NEAR(sphere.s_from_t(0.5), 0.5, 1e-12);
+}
+
+TEST(CheckProfile, NamesTheRuleThatKnotsBreak) {
+  const BSplineCurve<Vec2> good = bezier_chain<Vec2>({{0, 1}, {1, 1}, {1, 0}, {2, 0}, {2, -1}}, 2);
+  EXPECT_FALSE(check_profile("p", good));
+  const auto message = [](BSplineCurve<Vec2> curve) {
+    const auto error = check_profile("p", curve);
+    return error ? error->message : std::string();
+  };
+  BSplineCurve<Vec2> bad = good;
+  bad.inner_knots = {0.5};
+  EXPECT_EQ(message(bad), "must have as many interior knots as points less its degree less 1, got 1");
+  bad.inner_knots = {0.5, 1.0};
+  EXPECT_EQ(message(bad), "must have interior knots between 0 and 1, got 1");
+  bad.inner_knots = {0.5, 0.4};
+  EXPECT_EQ(message(bad), "must have ascending knots, got 0.4");
+  bad = {1, {{0, 1}, {1, 1}, {1, 0}, {2, 0}}, {0.5, 0.5}};
+  EXPECT_EQ(message(bad), "must repeat no interior knot more often than its degree, got 0.5");
+  bad = good;
+  bad.degree = 5;
+  EXPECT_EQ(message(bad), "must have more points than its degree, got 5");
+}
+
 TEST(CheckProfile, NamesTheRuleThatIsBroken) {
   EXPECT_FALSE(check_profile("p", std::vector<Vec2>{{0, 1}, {1, 0}}));
   EXPECT_NE(check_profile("p", std::vector<Vec2>{{0, 1}, {-1, 0}})->message.find("radii >= 0"), std::string::npos);

@@ -182,6 +182,7 @@ Placement organ_from_form(const OrganKind& kind) {
 struct Development::State {
   Species species;
   GrowthOptions options;
+  std::vector<HeadWarning> warnings;
   std::vector<PatternOfHead> heads;         ///< the plant's own first
   std::vector<std::uint32_t> head_of_kind;  ///< index into `heads`; 0: organs of the kind carry none
   std::vector<Organ> organs;
@@ -224,6 +225,9 @@ const GrowthOptions& Development::options() const {
 std::span<const Organ> Development::organs() const {
   return state_->organs;
 }
+std::span<const HeadWarning> Development::warnings() const {
+  return state_->warnings;
+}
 std::span<const OrganTemplate> Development::templates() const {
   return state_->templates;
 }
@@ -261,6 +265,9 @@ std::optional<Error> Development::State::make_heads(const Progress& progress) {
       Error error = pattern.error();
       error.where = error.where.empty() ? "" : path + "." + error.where;
       return error;
+    }
+    for (const PatternWarning& warning : pattern->warnings()) {
+      warnings.push_back({path, warning});
     }
     const SurfaceOfRevolution mature = pattern->surface(1.0);
     const std::vector<LocalPlace> places = local_places(*pattern, 1.0, mature);
@@ -334,7 +341,10 @@ std::optional<Error> Development::State::bear_organs() {
       organ.parent = {parent};
       organ.kind = head.kinds[i];
       organ.birth = birth + primordia[i].birth;
-      organ.divergence_rad = i == 0 ? 0.0 : math::radians(made_from.divergence_deg);
+      if (i > 0) {
+        const int turns = primordia[i].index - primordia[i - 1].index;  // 1 unless two fronts take turns
+        organ.divergence_rad = turns * math::radians(made_from.divergence_deg);
+      }
       organ.azimuth_rad = primordia[i].azimuth_rad;
       organ.mature_area_mm2 = primordia[i].mature_area_mm2;
       borne.push_back(organ);
@@ -528,6 +538,23 @@ Canopy Development::at(double time) const {
                              peduncle_mesh(peduncle, length, surface, state.mature_base_mm, state.options.detail)});
   }
   return canopy;
+}
+
+SurfaceOfRevolution Development::receptacle(double time) const {
+  return state_->heads[0].pattern.surface(time);
+}
+
+std::vector<PatternOrgan> pattern_of(const Development& development, double time) {
+  const SurfaceOfRevolution receptacle = development.receptacle(time);
+  std::vector<PatternOrgan> pattern;
+  for (const OrganState& state : development.at(time).organs) {
+    const Organ& organ = development.organs()[state.id.value - 1];
+    if (organ.parent.value == 0) {
+      const Vec2 place = receptacle.profile_mm().at(receptacle.t_from_s(state.s));
+      pattern.push_back({organ.azimuth_rad, state.s * receptacle.length_mm(), place.x, place.y});
+    }
+  }
+  return pattern;
 }
 
 std::string organ_name(const Development& development, OrganId id) {

@@ -7,16 +7,19 @@
 #include "anthesis/base/progress.h"
 #include "anthesis/geometry/surface_of_revolution.h"
 #include "anthesis/inflorescence/species.h"
-#include "anthesis/phyllotaxis/fractionation.h"
+#include "anthesis/phyllotaxis/collision_model.h"
+#include "anthesis/phyllotaxis/meristem_dynamics.h"
 
 namespace anthesis {
 
 /// Organs placed once on the mature receptacle; they keep their places on it while its outline grows.
 struct FixedPattern {
   std::vector<KeyProfile> profiles;
+  bool bezier = false;  ///< profiles are chains of cubic Bezier curves
   FunctionGraph growth;
   std::vector<Primordium> primordia;
   std::vector<double> t;  ///< place along the profile
+  std::vector<PatternWarning> warnings;
 };
 
 /// The pattern of one head as a function of its own time, whatever the rule that places its organs.
@@ -25,14 +28,15 @@ class HeadPattern {
   static Expected<HeadPattern> make(const Head& head, std::size_t limit, const Progress& progress);
 
   std::span<const Primordium> primordia() const;
+  std::span<const PatternWarning> warnings() const;
   SurfaceOfRevolution surface(double time) const;
 
   /// Of the primordia born by `time`, which are the first so many.
   std::vector<PrimordiumPlace> places(double time, const SurfaceOfRevolution& surface) const;
 
  private:
-  explicit HeadPattern(std::variant<Fractionation, FixedPattern> pattern) : pattern_(std::move(pattern)) {}
-  std::variant<Fractionation, FixedPattern> pattern_;
+  explicit HeadPattern(std::variant<MeristemDynamics, FixedPattern> pattern) : pattern_(std::move(pattern)) {}
+  std::variant<MeristemDynamics, FixedPattern> pattern_;
 };
 
 }  // namespace anthesis

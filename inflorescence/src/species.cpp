@@ -62,6 +62,13 @@ std::optional<Error> check_head(const std::string& path, const Head& head, const
                                static_cast<double>(profile.points.size()));
     }
   }
+  if (head.bezier && grows_meristem(head.rule)) {
+    return invalid_parameter(path + ".bezier", "must be false for rules that grow the meristem", "true");
+  }
+  if (head.bezier && head.receptacle[0].points.size() % 3 != 1) {
+    return invalid_parameter(path + ".receptacle[0].points", "must be 3 n + 1 for n cubic Bezier curves",
+                             static_cast<double>(head.receptacle[0].points.size()));
+  }
   if (auto error = check_number(path + ".divergence_deg", head.divergence_deg, -360.0, 360.0))
     return error;
   if (auto error = check_number(path + ".interval", head.interval, 1e-6, 1.0))
@@ -74,14 +81,22 @@ std::optional<Error> check_head(const std::string& path, const Head& head, const
     return error;
   if (auto error = check_function_values(path + ".radius_mm", head.radius_mm, 1e-4, 1e4))
     return error;
-  if (auto error = check_number(path + ".contact", head.contact, 0.05, 1.0))
+  if (auto error = check_number(path + ".contact_factor", head.contact_factor, 0.05, 1.0))
     return error;
-  if (auto error = check_number(path + ".fall_back", head.fall_back, 0.0, 1e6))
+  if (auto error = check_number(path + ".outer_area_mm2", head.outer_area_mm2, 1e-6, 1e9))
+    return error;
+  if (auto error = check_function_values(path + ".outer_growth", head.outer_growth, 1e-6, 1e6))
+    return error;
+  if (auto error = check_number(path + ".threshold_area_mm2", head.threshold_area_mm2, 1e-6, 1e9))
     return error;
   if (auto error = check_number(path + ".meristem_area_mm2", head.meristem_area_mm2, 1e-6, 1e9))
     return error;
   if (auto error = check_function_values(path + ".meristem_growth", head.meristem_growth, 1e-6, 1e6))
     return error;
+  if (!head.meristem_rate.empty()) {
+    if (auto error = check_function_values(path + ".meristem_rate", head.meristem_rate, -1e3, 1e3))
+      return error;
+  }
   if (auto error = check_function_values(path + ".area_mm2", head.area_mm2, 1e-6, 1e9))
     return error;
   if (auto error = check_function_values(path + ".area_growth", head.area_growth, 1e-6, 1e3))
@@ -133,6 +148,10 @@ std::optional<Error> check_organ(const OrganKind& organ, const std::vector<std::
   }
   for (const Column& column : organ.shape.columns) {
     if (auto error = check_name(where + ".columns.pigment", column.pigment, pigments, "a pigment"))
+      return error;
+  }
+  for (const Hairs& hairs : organ.shape.hairs) {
+    if (auto error = check_name(where + ".hairs.pigment", hairs.pigment, pigments, "a pigment"))
       return error;
   }
   if (auto error = check_number(where + ".variants", organ.variants, 1, 64))
@@ -187,12 +206,11 @@ std::optional<Error> check_organ(const OrganKind& organ, const std::vector<std::
 
 /// A head that an organ carries: what it needs beyond any other.
 std::optional<Error> check_carried(const std::string& path, const Head& head) {
-  const bool grows =
-      head.rule == PlacementRule::kCentripetal || head.receptacle.size() > 1 || head.growth != Head{}.growth;
+  const bool grows = grows_meristem(head.rule) || head.receptacle.size() > 1 || head.growth != Head{}.growth;
   if (!head.receptacle_pigment.empty() && grows) {
     return invalid_parameter(path + ".receptacle_pigment",
                              "must be left out where the receptacle grows apart from the organ that carries it: one "
-                             "outline, and rule ridley or collision",
+                             "outline, no growth, and rule ridley or collision",
                              head.receptacle_pigment);
   }
   return std::nullopt;
@@ -302,6 +320,20 @@ std::optional<Error> check(const Species& species) {
     return error;
   if (auto error = check_function_values("peduncle.growth", peduncle.growth, 1e-3, 1e3))
     return error;
+  for (std::size_t i = 0; i < peduncle.hairs.size(); ++i) {
+    const Hairs& hairs = peduncle.hairs[i];
+    const std::string where = "peduncle.hairs[" + std::to_string(i) + "]";
+    if (!hairs.on.empty()) {
+      return invalid_parameter(where + ".on", "must be left out: they stand on the stem", hairs.on);
+    }
+    if (hairs.lower) {
+      return invalid_parameter(where + ".lower", "must be false on the stem, which has only an outside", "true");
+    }
+    if (auto error = check(hairs, where))
+      return error;
+    if (auto error = check_name(where + ".pigment", hairs.pigment, pigments, "a pigment"))
+      return error;
+  }
   if (peduncle.length_mm > 0.0) {
     return check_name("peduncle.pigment", peduncle.pigment, pigments, "a pigment");
   }

@@ -17,6 +17,12 @@ std::optional<Error> check(const SpiralParams& params) {
   return std::nullopt;
 }
 
+double spiral_azimuth_rad(std::size_t k, double divergence_rad) {
+  const double turns = static_cast<double>(k) * (divergence_rad / math::kTurnRad);
+  const double azimuth = (turns - std::floor(turns)) * math::kTurnRad;
+  return azimuth < math::kTurnRad ? azimuth : 0.0;
+}
+
 void place_spiral(const SpiralParams& params, std::span<Vec2> centres_mm) {
   ANTHESIS_ASSERT(!check(params));
   for (std::size_t i = 0; i < centres_mm.size(); ++i) {

@@ -26,6 +26,16 @@ std::uint32_t pigment_index(const Species& species, const std::string& name) {
   return 0;
 }
 
+void add_to(Mesh& mesh, const Mesh& other) {
+  const auto first = static_cast<std::uint32_t>(mesh.positions_mm.size());
+  mesh.positions_mm.insert(mesh.positions_mm.end(), other.positions_mm.begin(), other.positions_mm.end());
+  mesh.normals.insert(mesh.normals.end(), other.normals.begin(), other.normals.end());
+  mesh.uvs.insert(mesh.uvs.end(), other.uvs.begin(), other.uvs.end());
+  for (const Triangle& t : other.triangles) {
+    mesh.triangles.push_back({first + t[0], first + t[1], first + t[2]});
+  }
+}
+
 /// The surface of a template without its places.
 SceneMesh surface_of(const OrganTemplate& organ, const Species& species) {
   SceneMesh surface;
@@ -40,9 +50,22 @@ SceneMesh surface_of(const OrganTemplate& organ, const Species& species) {
   return surface;
 }
 
+/// Lets hairs stand on the surface that `surface` consists of so far.
+void add_hairs(const HairCoat& hairs, double scale, const Species& species, SceneMesh& surface) {
+  Mesh coat;  // apart, as it follows from the vertices that it is added to
+  for (std::size_t group = 0; group < hairs.groups().size(); ++group) {
+    const auto first = static_cast<std::uint32_t>(surface.mesh.triangles.size() + coat.triangles.size());
+    hairs.append(group, surface.mesh.positions_mm, surface.mesh.normals, scale, coat);
+    const auto after = static_cast<std::uint32_t>(surface.mesh.triangles.size() + coat.triangles.size());
+    surface.spans.push_back({first, after - first, pigment_index(species, hairs.groups()[group].pigment)});
+  }
+  add_to(surface.mesh, coat);
+}
+
 SceneMesh posed(const OrganTemplate& organ, double stage, const Species& species) {
   SceneMesh posed = surface_of(organ, species);
   organ.pose(stage, posed.mesh.positions_mm, posed.mesh.normals);
+  add_hairs(organ.hairs(), 1.0, species, posed);
   return posed;
 }
 
@@ -62,7 +85,23 @@ SceneMesh deformed(const OrganTemplate& organ, const OrganState& state, const Sp
   Mesh& mesh = deformed.mesh;
   mesh.positions_mm = bent_mm(state);
   smooth_normals(mesh.positions_mm, organ.triangles(), organ.twins(), mesh.normals);
+  add_hairs(organ.hairs(), state.world_from_organ.scale, species, deformed);
   return deformed;
+}
+
+/// The hairs on the stem, which stands where it is drawn.
+HairCoat hairs_of_stem(const Development& drawn) {
+  HairCoat coat;
+  const std::vector<Hairs>& hairs = drawn.species().peduncle.hairs;
+  if (!hairs.empty()) {
+    const Canopy grown = drawn.at(1.0);
+    const auto stem = std::find_if(grown.bodies.begin(), grown.bodies.end(),
+                                   [](const Body& body) { return body.name == "peduncle"; });
+    for (std::size_t i = 0; i < hairs.size() && stem != grown.bodies.end(); ++i) {
+      coat.plant(hairs[i], stem->mesh.triangles, stem->mesh.uvs, stem->mesh.positions_mm, drawn.options().seed, i);
+    }
+  }
+  return coat;
 }
 
 /// Lets the organs of a finer plant follow those of the plant that was bent.
@@ -97,6 +136,7 @@ class Refinement {
     }
     followers_[template_index(state)]->follow(rest_mm, bent_mm(state), mesh.positions_mm);
     smooth_normals(mesh.positions_mm, fine.triangles(), fine.twins(), mesh.normals);
+    add_hairs(fine.hairs(), state.world_from_organ.scale, finer_.species(), result);
     return result;
   }
 
@@ -163,6 +203,7 @@ Scene make_scene(const Development& development, const Canopy& canopy, const Sce
   }
   const std::vector<Body> finer_bodies =
       options.finer != nullptr ? options.finer->at(canopy.time).bodies : std::vector<Body>{};
+  const HairCoat stem_hairs = hairs_of_stem(options.finer != nullptr ? *options.finer : development);
   for (const Body& body : options.finer != nullptr ? finer_bodies : canopy.bodies) {
     if (body.mesh.triangles.empty()) {
       continue;
@@ -170,9 +211,12 @@ Scene make_scene(const Development& development, const Canopy& canopy, const Sce
     Instance instance;
     instance.mesh = static_cast<std::uint32_t>(scene.meshes.size());
     instance.framed = body.name != "peduncle";
-    scene.meshes.push_back(
-        {body.mesh,
-         {{0, static_cast<std::uint32_t>(body.mesh.triangles.size()), pigment_index(species, body.pigment)}}});
+    SceneMesh surface{
+        body.mesh, {{0, static_cast<std::uint32_t>(body.mesh.triangles.size()), pigment_index(species, body.pigment)}}};
+    if (body.name == "peduncle") {
+      add_hairs(stem_hairs, 1.0, species, surface);
+    }
+    scene.meshes.push_back(std::move(surface));
     scene.instances.push_back(std::move(instance));
   }
   if (options.ground) {

@@ -185,6 +185,70 @@ TEST(MakeScene, FinerOrgansFollowBentOnes) {
   EXPECT_EQ(scene.meshes.back().mesh.positions_mm, wanted.bodies.back().mesh.positions_mm);
 }
 
+/// Pegs with four hairs to a square millimetre, on a stem with two.
+Species hairy_pegs() {
+  Species species = head_of_pegs();
+  Hairs hairs;
+  hairs.pigment = "green";
+  hairs.density_per_mm2 = 2.0;
+  species.peduncle.hairs = {hairs};
+  hairs.on = "peg";
+  hairs.density_per_mm2 = 4.0;
+  species.organs[0].shape.hairs = {hairs};
+  return species;
+}
+
+TEST(MakeScene, DrawsHairsOnOrgansAndTheStem) {
+  const auto bald = Development::grow(head_of_pegs(), {});
+  const auto hairy = Development::grow(hairy_pegs(), {});
+  ASSERT_TRUE(bald.has_value() && hairy.has_value());
+  const Scene without = make_scene(*bald, bald->at(1.0));
+  const Scene with = make_scene(*hairy, hairy->at(1.0));
+  EXPECT_FALSE(check(with).has_value());
+  ASSERT_EQ(with.instances.size(), without.instances.size());
+  for (std::size_t i = 0; i < with.instances.size(); ++i) {
+    const SceneMesh& plain = without.meshes[without.instances[i].mesh];
+    const SceneMesh& mesh = with.meshes[with.instances[i].mesh];
+    const bool receptacle = i + 2 == with.instances.size();
+    ASSERT_EQ(mesh.spans.size(), receptacle ? 1U : 2U);
+    EXPECT_EQ(mesh.mesh.triangles.size() > plain.mesh.triangles.size(), !receptacle);
+    // The surface comes first and is what it is without hairs.
+    for (std::size_t v = 0; v < plain.mesh.positions_mm.size(); ++v) {
+      ASSERT_EQ(mesh.mesh.positions_mm[v], plain.mesh.positions_mm[v]);
+    }
+    if (!receptacle) {
+      EXPECT_EQ(mesh.spans[1].first_triangle, plain.mesh.triangles.size());
+      EXPECT_EQ(mesh.spans[1].first_triangle + mesh.spans[1].triangle_count, mesh.mesh.triangles.size());
+      EXPECT_EQ(mesh.spans[1].pigment, 0U);  // green
+    }
+  }
+}
+
+TEST(MakeScene, HairsOfABentOrganGoWithIt) {
+  const auto development = Development::grow(hairy_pegs(), {});
+  const auto finer = Development::grow(hairy_pegs(), {.detail = 2.0});
+  ASSERT_TRUE(development.has_value() && finer.has_value());
+  const Canopy canopy = moved(*development, 1.0);
+  const Placement motion{{0.5, 0.25, -1.0}, rotation_about({1.0, 0.0, 0.0}, math::radians(1.0)), 1.0};
+  for (const Development* drawn : {static_cast<const Development*>(nullptr), &*finer}) {
+    const Scene straight = make_scene(drawn != nullptr ? *drawn : *development, development->at(1.0));
+    const Scene scene = make_scene(*development, canopy, {.finer = drawn});
+    for (std::size_t i = 0; i < canopy.organs.size(); ++i) {
+      if (canopy.organs[i].stage < 1.0) {
+        continue;  // those that nothing bent stand at the nearest stage of 64
+      }
+      const Instance& was = straight.instances[i];
+      const Mesh& before = straight.meshes[was.mesh].mesh;
+      const Mesh& after = scene.meshes[scene.instances[i].mesh].mesh;
+      ASSERT_EQ(after.positions_mm.size(), before.positions_mm.size());
+      for (std::size_t v = 0; v < after.positions_mm.size(); ++v) {
+        const Vec3 wanted = apply(motion, apply(was.world_from_mesh, before.positions_mm[v]));
+        ASSERT_LT(length(after.positions_mm[v] - wanted), 1e-3);
+      }
+    }
+  }
+}
+
 TEST(MakeOrganScene, ShowsOneOrganUprightAtItsStage) {
   const Species species = head_of_pegs();
   for (const auto& [stage, height_mm] : {std::pair(0.0, 2.0), std::pair(0.5, 3.0), std::pair(1.0, 4.0)}) {

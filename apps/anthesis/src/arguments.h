@@ -72,6 +72,7 @@ T value_of(Expected<T> result) {
 // One for each file of the same name.
 Command add_check(CLI::App& app);
 Command add_grow(CLI::App& app);
+Command add_import(CLI::App& app);
 Command add_pattern(CLI::App& app);
 Command add_render(CLI::App& app);
 Command add_species(CLI::App& app);

@@ -2,40 +2,36 @@
 
 #include <array>
 #include <cmath>
-#include <optional>
+#include <nlohmann/json.hpp>
 
 #include "anthesis/base/math.h"
 #include "anthesis/base/parallel.h"
 #include "anthesis/base/version.h"
 #include "anthesis/exchange/csv.h"
+#include "anthesis/exchange/positions_csv.h"
 #include "anthesis/exchange/svg.h"
-#include "anthesis/fate/cone.h"
-#include "anthesis/phyllotaxis/vogel.h"
+#include "disc.h"
 #include "growth.h"
 #include "outputs.h"
+#include "parastichy_options.h"
 #include "picture_options.h"
 #include "point_cloud.h"
+#include "study.h"
 
 namespace anthesis::cli {
 namespace {
 
 constexpr std::array<std::string_view, 4> kPlantFormats = {"csv", "svg", "png", "ply"};
-constexpr std::array<std::string_view, 2> kDiscFormats = {"csv", "svg"};
-constexpr std::uint64_t kMostFlorets = 1'000'000;
-constexpr std::uint64_t kMostSteps = 100'000;
-constexpr Limits kConeLimits = {0.0, 180.0, true, true};
 
 struct Arguments {
   GrowthArguments growth;
   std::vector<std::string> outputs;
   double at = 1.0;
-  std::optional<int> vogel;
-  double divergence_deg = math::degrees(kGoldenAngleRad);
-  double cone_deg = 75.0;
-  std::string sweep;
+  ParastichyArguments parastichies;
+  std::string measured;
+  DiscArguments disc;
+  StudyArguments study;
 };
-
-// ---- a species' own pattern
 
 /// The plan as a picture: a bead for each organ, in the colour of its kind, seen from straight above.
 std::string bead_picture(const Development& development, double time, const Progress& progress) {
@@ -59,11 +55,42 @@ std::string bead_picture(const Development& development, double time, const Prog
                              provenance_texts(development, time, false)));
 }
 
-void run_species(const Arguments& arguments, Console& console) {
-  if (arguments.outputs.empty()) {
-    throw usage("say where to write: -o organs.csv");
+std::string sentence(const PatternWarning& warning) {
+  const std::string measure = fmt::format("{:.2g}, more than {:.2g}", warning.measure, warning.threshold);
+  switch (warning.flaw) {
+    case PatternFlaw::kCurvature:
+      return "organs are large for the curvature of the receptacle: their radius over its radius is " + measure;
+    case PatternFlaw::kRadiusRatio:
+      return "neighbours differ too much in size: the ratio of their radii is " + measure;
+    case PatternFlaw::kGap:
+      return "organs leave gaps: to the further neighbour, in distances at contact, " + measure;
+    case PatternFlaw::kJump:
+      return "organs jump along the receptacle: from one to the next, in diameters, " + measure;
+    case PatternFlaw::kIrregular:
+      break;
   }
+  return "organs rest on others than in spirals: a share of " + measure;
+}
+
+/// Says where the pattern stops being phyllotactic.
+void report_warnings(const Development& development, Console& console, Report& report) {
+  nlohmann::ordered_json list = nlohmann::ordered_json::array();
+  for (const auto& [head, warning] : development.warnings()) {
+    console.say(fmt::format("anthesis: warning: {} from {:.3f} to {:.3f} (0 apex, 1 base): {}", head, warning.s_from,
+                            warning.s_to, sentence(warning)));
+    list.push_back({{"head", head},
+                    {"flaw", flaw_name(warning.flaw)},
+                    {"from", warning.s_from},
+                    {"to", warning.s_to},
+                    {"measure", warning.measure},
+                    {"threshold", warning.threshold}});
+  }
+  report.values["warnings"] = std::move(list);
+}
+
+void run_species(const Arguments& arguments, Console& console) {
   const std::vector<Output> outputs = check_outputs(arguments.outputs, kPlantFormats);
+  arguments.parastichies.check();
   const ThreadLimit threads(arguments.growth.threads);
   const Progress progress = console.progress();
   Report report;
@@ -71,7 +98,16 @@ void run_species(const Arguments& arguments, Console& console) {
   const Development development = grow(arguments.growth, species, report, progress);
   describe_plant(development, arguments.at, report);
   report.values["divergence_deg"] = species.head.divergence_deg;
-  report.values["parastichies"] = nullptr;  // not analysed
+  report_warnings(development, console, report);
+  const std::vector<PatternOrgan> pattern = pattern_of(development, arguments.at);
+  ParastichyFile file;
+  file.title = species.latin.empty() ? species.name : species.name + " (" + species.latin + ")";
+  file.caption = fmt::format("Anthesis {}, seed {}, time {}", kVersion, arguments.growth.seed, to_text(arguments.at));
+  file.length_mm = development.receptacle(arguments.at).length_mm();
+  file.first_is_1 = true;
+  ParastichyOptions options;
+  options.in_order_of_birth = species.head.rule != PlacementRule::kDivergent;  // two fronts take turns
+  arguments.parastichies.analyse(pattern, options, file, arguments.outputs.empty() && !arguments.growth.json, report);
   for (const Output& output : outputs) {
     const std::string bytes = report.time(output.format.c_str(), [&] {
       if (output.format == "csv") {
@@ -90,218 +126,76 @@ void run_species(const Arguments& arguments, Console& console) {
   }
 }
 
-// ---- Vogel's disc and the cone rule (O16 section 5, figs. 15 and 16)
-
-struct Disc {
-  std::vector<Vec2> florets_mm;
-  std::vector<bool> rays;
-};
-
-Disc disc_of(std::size_t count, double divergence_deg, double cone_deg) {
-  Disc disc;
-  disc.florets_mm.resize(count);
-  place_spiral({.spacing_mm = 1.0, .divergence_rad = math::radians(divergence_deg)}, disc.florets_mm);
-  for (const double room : nearest_in_cone_mm(disc.florets_mm, {}, math::radians(cone_deg))) {
-    disc.rays.push_back(std::isinf(room));
+/// Organs of a plant that was digitised.
+void run_measured(const Arguments& arguments) {
+  if (!arguments.outputs.empty()) {
+    throw usage("--measured has its places already: write what was found with --parastichies");
   }
-  return disc;
-}
-
-std::size_t rays_of(std::size_t count, double divergence_deg, double cone_deg) {
-  std::vector<Vec2> florets_mm(count);
-  place_spiral({.spacing_mm = 1.0, .divergence_rad = math::radians(divergence_deg)}, florets_mm);
-  return count_with_room(florets_mm, {}, math::radians(cone_deg));
-}
-
-std::string made_by(const std::string& settings) {
-  return fmt::format("Anthesis {}, {}", kVersion, settings);
-}
-
-std::string disc_csv(const Disc& disc, const std::string& settings) {
-  std::string text = "# " + made_by(settings) + "\nid,kind,x_mm,y_mm\n";
-  for (std::size_t i = 0; i < disc.florets_mm.size(); ++i) {
-    text += fmt::format("{},{},{},{}\n", i + 1, disc.rays[i] ? "ray_floret" : "disk_floret",
-                        to_text(disc.florets_mm[i].x), to_text(disc.florets_mm[i].y));
-  }
-  return text;
-}
-
-std::string disc_svg(const Disc& disc, const std::string& settings) {
-  Plan plan;
-  plan.title = "Ray florets by the cone rule";
-  plan.caption = made_by(settings);
-  plan.kinds = {"disk_floret", "ray_floret"};
-  for (std::size_t i = 0; i < disc.florets_mm.size(); ++i) {
-    PlanDisc floret;
-    floret.centre_mm = disc.florets_mm[i];
-    floret.id = static_cast<std::uint32_t>(i + 1);
-    floret.kind = disc.rays[i] ? 1 : 0;
-    plan.discs.push_back(floret);
-  }
-  return plan_svg(plan);
-}
-
-void run_disc(const Arguments& arguments, const std::vector<Output>& outputs) {
+  arguments.parastichies.check();
   Report report;
-  const auto count = static_cast<std::size_t>(*arguments.vogel);
-  const std::string settings = fmt::format("Vogel disc of {} florets, divergence {} degrees, cone {} degrees", count,
-                                           to_text(arguments.divergence_deg), to_text(arguments.cone_deg));
-  const Disc disc =
-      report.time("pattern", [&] { return disc_of(count, arguments.divergence_deg, arguments.cone_deg); });
-  const auto rays = static_cast<std::size_t>(std::count(disc.rays.begin(), disc.rays.end(), true));
-  for (const Output& output : outputs) {
-    write_output(report, output.path, output.format == "csv" ? disc_csv(disc, settings) : disc_svg(disc, settings));
-  }
+  const std::vector<Vec3> positions_mm =
+      report.time("read", [&] { return value_of(load_positions(arguments.measured)); });
+  const std::vector<PatternOrgan> pattern = pattern_organs(positions_mm);
+  ParastichyOptions options;
+  options.in_order_of_birth = false;
+  ParastichyFile file;
+  file.title = arguments.measured;
+  file.caption = fmt::format("Anthesis {}, {} measured organs", kVersion, positions_mm.size());
+  file.first_is_1 = true;
+  report.values["version"] = kVersion;
+  report.values["organs"] = positions_mm.size();
+  arguments.parastichies.analyse(pattern, options, file, !arguments.growth.json, report);
   if (arguments.growth.json) {
-    report.values = {{"version", kVersion},
-                     {"organs", {{"ray_floret", rays}, {"disk_floret", count - rays}}},
-                     {"divergence_deg", arguments.divergence_deg},
-                     {"cone_deg", arguments.cone_deg}};
     print(report.text());
-  } else {
-    print(fmt::format("{} ray florets, {} disk florets\n", rays, count - rays));
-  }
-}
-
-/// "cone-deg=20:89:0.5"
-struct Sweep {
-  bool of_cone = true;
-  std::vector<double> values;
-};
-
-Sweep parse_sweep(const std::string& text) {
-  const std::string form = "--sweep must be cone-deg=FROM:TO:STEP or organs=FROM:TO:STEP, got " + text;
-  const std::size_t equals = text.find('=');
-  const std::size_t first = text.find(':', equals == std::string::npos ? text.size() : equals);
-  const std::size_t second = text.find(':', first == std::string::npos ? text.size() : first + 1);
-  if (second == std::string::npos) {
-    throw usage(form);
-  }
-  const std::string name = text.substr(0, equals);
-  if (name != "cone-deg" && name != "organs") {
-    throw usage(form);
-  }
-  Sweep sweep;
-  sweep.of_cone = name == "cone-deg";
-  const Limits limits = sweep.of_cone ? kConeLimits : Limits{1.0, static_cast<double>(kMostFlorets)};
-  const std::string label = "--sweep " + name;
-  const double from = parse_number(label, text.substr(equals + 1, first - equals - 1), limits);
-  const double to = parse_number(label, text.substr(first + 1, second - first - 1), limits);
-  const double step = parse_number(label + " step", text.substr(second + 1), {sweep.of_cone ? 1e-6 : 1.0, 1e6});
-  if (to < from) {
-    throw usage(label + " must run upwards, got " + text);
-  }
-  // The last value counts although (to - from) / step may come out a rounding below a whole number.
-  const double steps = std::floor((to - from) / step + 1e-9);
-  if (steps >= static_cast<double>(kMostSteps)) {
-    throw usage(fmt::format("{} must have at most {} steps, got {}", label, kMostSteps, text));
-  }
-  for (std::size_t i = 0; i <= static_cast<std::size_t>(steps); ++i) {
-    const double value = from + static_cast<double>(i) * step;
-    if (!sweep.of_cone && value != std::floor(value)) {
-      throw usage(label + " must be whole numbers, got " + text);
-    }
-    sweep.values.push_back(value);
-  }
-  return sweep;
-}
-
-void run_sweep(const Arguments& arguments, const std::vector<Output>& outputs, Console& console) {
-  const Sweep sweep = parse_sweep(arguments.sweep);
-  if (sweep.of_cone && !arguments.vogel) {
-    throw usage("--sweep cone-deg needs the number of florets: --vogel N");
-  }
-  const ThreadLimit threads(arguments.growth.threads);
-  const Progress progress = console.progress();
-  Report report;
-  std::vector<Vec2> points(sweep.values.size());
-  const bool whole = report.time("sweep", [&] {
-    return parallel_for(
-        points.size(),
-        [&](std::size_t i) {
-          const double value = sweep.values[i];
-          const std::size_t rays =
-              sweep.of_cone ? rays_of(static_cast<std::size_t>(*arguments.vogel), arguments.divergence_deg, value)
-                            : rays_of(static_cast<std::size_t>(value), arguments.divergence_deg, arguments.cone_deg);
-          points[i] = {value, static_cast<double>(rays)};
-        },
-        progress, "sweep");
-  });
-  if (!whole) {
-    throw failure({ErrorCode::kCancelled, "", ""});
-  }
-
-  const std::string constant = sweep.of_cone ? fmt::format("{} florets", *arguments.vogel)
-                                             : fmt::format("cone {} degrees", to_text(arguments.cone_deg));
-  const std::string settings =
-      fmt::format("Vogel disc, {}, divergence {} degrees", constant, to_text(arguments.divergence_deg));
-  std::string table = fmt::format("# {}\n{},ray_florets\n", made_by(settings), sweep.of_cone ? "cone_deg" : "organs");
-  double most = 0.0;
-  for (const Vec2 point : points) {
-    table += to_text(point.x) + ',' + to_text(point.y) + '\n';
-    most = std::max(most, point.y);
-  }
-  for (const Output& output : outputs) {
-    if (output.format == "csv") {
-      write_output(report, output.path, table);
-      continue;
-    }
-    StepPlot plot;
-    plot.title = "Ray florets by the cone rule";
-    plot.caption = made_by(settings);
-    plot.x_label = sweep.of_cone ? "half angle of the cone, degrees" : "florets";
-    plot.y_label = "ray florets";
-    plot.points = points;
-    plot.guides = fibonacci_guides(most);
-    write_output(report, output.path, step_plot_svg(plot));
-  }
-  if (arguments.growth.json) {
-    report.values = {{"version", kVersion}, {"divergence_deg", arguments.divergence_deg}};
-    report.values[sweep.of_cone ? "vogel" : "cone_deg"] =
-        sweep.of_cone ? static_cast<double>(*arguments.vogel) : arguments.cone_deg;
-    print(report.text());
-  } else if (outputs.empty()) {
-    print(table);
   }
 }
 
 void run(const Arguments& arguments, Console& console) {
-  if (!arguments.vogel && arguments.sweep.empty()) {
-    if (arguments.growth.species.empty()) {
-      throw usage("say which pattern: a species, or --vogel N for a flat disc");
-    }
-    return run_species(arguments, console);
+  const bool other = arguments.disc.wanted() || arguments.study.wanted() || !arguments.measured.empty();
+  if (!other && arguments.growth.species.empty()) {
+    throw usage("say which pattern: a species, --measured FILE, --vogel N for a flat disc, or --study divergence");
   }
-  if (!arguments.growth.species.empty()) {
-    throw usage("--vogel and --sweep make their own pattern: give them or a species, not both");
+  if (arguments.disc.wanted() + arguments.study.wanted() + !arguments.measured.empty() +
+          !arguments.growth.species.empty() >
+      1) {
+    throw usage("a species, --measured, --study, and --vogel or --sweep each have their own pattern: give one of them");
   }
-  const std::vector<Output> outputs = check_outputs(arguments.outputs, kDiscFormats);
-  if (arguments.sweep.empty()) {
-    return run_disc(arguments, outputs);
+  if (arguments.disc.wanted()) {
+    return run_disc(arguments.disc, {arguments.outputs, arguments.growth.threads, arguments.growth.json}, console);
   }
-  run_sweep(arguments, outputs, console);
+  if (arguments.study.wanted()) {
+    return run_study(arguments.study, arguments.outputs, arguments.growth.threads, arguments.growth.json, console);
+  }
+  if (!arguments.measured.empty()) {
+    return run_measured(arguments);
+  }
+  run_species(arguments, console);
 }
 
 }  // namespace
 
 Command add_pattern(CLI::App& app) {
-  CLI::App* command = add_command(app, "pattern", "Write where a plant's organs are, or count rays on a Vogel disc",
-                                  "  anthesis pattern sunflower -o organs.csv -o organs.svg\n"
-                                  "  anthesis pattern --vogel 82 --cone-deg 38\n"
-                                  "  anthesis pattern --vogel 82 --sweep cone-deg=20:89:0.5 -o rays.svg\n"
-                                  "  anthesis pattern --cone-deg 75 --sweep organs=20:400:1 -o rays.csv");
+  CLI::App* command =
+      add_command(app, "pattern", "Find where a plant's organs are, and what pattern they make",
+                  "  anthesis pattern sunflower\n"
+                  "  anthesis pattern sunflower -o organs.csv -o organs.svg\n"
+                  "  anthesis pattern sunflower --parastichies families.svg --parastichies regions.csv\n"
+                  "  anthesis pattern --measured head.csv --parastichies families.svg\n"
+                  "  anthesis pattern --study divergence -o study.svg\n"
+                  "  anthesis pattern --vogel 82 --cone-deg 38\n"
+                  "  anthesis pattern --vogel 82 --sweep cone-deg=20:89:0.5 -o rays.svg\n"
+                  "  anthesis pattern --cone-deg 75 --sweep organs=20:400:1 -o rays.csv");
   auto arguments = std::make_shared<Arguments>();
   add_outputs(*command, arguments->outputs, kPlantFormats);
   arguments->growth.add_to(*command, false);
   add_number(*command, "--at", arguments->at, {0.0, 1.0}, "Time of development: 0 bud, 1 bloom");
-  add_whole(*command, "--vogel", arguments->vogel, 1, static_cast<int>(kMostFlorets),
-            "A flat disc of so many florets, in place of a species");
-  add_number(*command, "--divergence-deg", arguments->divergence_deg, {-360.0, 360.0, true, true},
-             "Angle between florets of the disc");
-  add_number(*command, "--cone-deg", arguments->cone_deg, kConeLimits,
-             "Half angle of the cone that a ray floret has to itself");
-  command->add_option("--sweep", arguments->sweep, "Count rays over a range: cone-deg=20:89:0.5 or organs=20:400:1")
-      ->type_name("RANGE");
+  arguments->parastichies.add_to(*command);
+  command
+      ->add_option("--measured", arguments->measured,
+                   "Places of organs that were measured, in place of a species: a CSV with columns x, y, z")
+      ->type_name("FILE");
+  arguments->study.add_to(*command);
+  arguments->disc.add_to(*command);
   return {command, [arguments](Console& console) { run(*arguments, console); }};
 }
 

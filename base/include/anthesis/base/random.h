@@ -17,6 +17,7 @@ enum class RandomPurpose : std::uint32_t {
   kWidth,
   kLight,
   kSurface,
+  kHair,
   kTest = 1000,
 };
 

@@ -15,7 +15,7 @@ using Range = std::array<double, 2>;
 
 /// A point of the half cross-section of a petal, in units of the petal's half width there.
 struct SectionPoint {
-  double across = 0.0;   ///< 0 at the midrib, 1 at the margin; ascending over a section
+  double across = 0.0;   ///< 0 at the midrib, then >= 0, 1 where the half width is reached; may come back: a tube
   double up = 0.0;       ///< towards the upper (adaxial) side; negative hangs down
   double forward = 0.0;  ///< towards the tip: teeth, notches and rounded ends
 };
@@ -67,6 +67,22 @@ struct Column {
   std::vector<ColumnPose> poses;
 };
 
+/// Hairs that stand on a surface: on a petal or column of an organ, or on the stem. They are drawn only and take no
+/// part in touching. Each range is drawn from once for each hair.
+struct Hairs {
+  std::string on;                   ///< name of the petals or column of the same organ; empty on the stem
+  std::string pigment;              ///< v = 0 is a hair's root, v = 1 its tip
+  bool upper = true;                ///< on the upper side of petals, on the outside of what is round
+  bool lower = false;               ///< on the lower side of petals
+  double density_per_mm2 = 1.0;     ///< of each side, when it is full grown; (0, 1000]
+  Range along = {0.0, 1.0};         ///< the part from base to tip that they stand on
+  Range length_mm = {1.0, 1.0};     ///< of a full grown organ, in (0, 1000]
+  double radius_mm = 0.02;          ///< at the root; hairs end in a point
+  Range lean_deg = {0.0, 0.0};      ///< from the surface's normal towards its tip, at the root
+  Range swirl_deg = {-30.0, 30.0};  ///< turn of the lean's direction about the normal
+  Range bend_deg = {0.0, 0.0};      ///< further lean over the length
+};
+
 /// What makes one organ differ in shape from the next, in ranges.
 struct ShapeVariation {
   Range curl_deg = {0.0, 0.0};   ///< extra bend of the midrib over its length, backwards when positive
@@ -79,10 +95,14 @@ struct ShapeVariation {
 struct OrganShape {
   std::vector<Petals> petals;
   std::vector<Column> columns;
+  std::vector<Hairs> hairs;
   ShapeVariation variation;
 };
 
 /// What is wrong with `shape`, if anything; `where` names it in the message ("organs.ray_floret").
 std::optional<Error> check(const OrganShape& shape, std::string_view where);
+
+/// What is wrong with the numbers of `hairs`, if anything.
+std::optional<Error> check(const Hairs& hairs, std::string_view where);
 
 }  // namespace anthesis

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "anthesis/base/error.h"
+#include "anthesis/corolla/hair_coat.h"
 #include "anthesis/corolla/organ_shape.h"
 #include "anthesis/geometry/mesh.h"
 
@@ -32,7 +33,8 @@ class OrganTemplate {
 
   /// `detail` scales the polygonization: 1 as the species file states it, 2 about four times the triangles.
   /// `variant` 0 is the shape as stated; any other number is an individual within the ranges of `shape.variation`.
-  /// More than kMaxVertices vertices are kTooLarge, before anything is built.
+  /// More than kMaxVertices vertices are kTooLarge, before anything is built; so are more hairs than
+  /// HairCoat::kMaxHairs.
   static constexpr std::size_t kMaxVertices = 250'000;
   static Expected<OrganTemplate> build(const OrganShape& shape, double detail, std::uint64_t seed,
                                        std::uint32_t variant);
@@ -44,6 +46,10 @@ class OrganTemplate {
 
   /// For each vertex the smallest index of those that share its place at every stage (fused margins, closed rings).
   std::span<const std::uint32_t> twins() const;
+
+  /// The hairs on it, which are none of its vertices: they stand on any pose of it, bent or not. Two templates of one
+  /// shape, seed and variant have about the same hairs whatever their detail, not one by one the same.
+  const HairCoat& hairs() const;
 
   /// Positions and unit normals at `stage` in [0, 1]; spans of vertex_count(). About 0.1 microseconds a vertex.
   void pose(double stage, std::span<Vec3> positions_mm, std::span<Vec3> normals) const;

@@ -25,6 +25,10 @@ class SurfaceOfRevolution {
   /// Precondition: check_profile(controls) finds nothing and there are more controls than `degree`.
   SurfaceOfRevolution(std::vector<Vec2> controls_mm, int degree);
 
+  /// A profile with knots of its own, such as a chain of Bezier curves (bezier_chain).
+  /// Precondition: check_profile(profile_mm) finds nothing.
+  explicit SurfaceOfRevolution(BSplineCurve<Vec2> profile_mm);
+
   const BSplineCurve<Vec2>& profile_mm() const { return profile_; }
   double length_mm() const { return length_.total_mm(); }
   double area_mm2() const { return area_.total(); }
@@ -50,5 +54,9 @@ class SurfaceOfRevolution {
 
 /// At least two finite points with radius >= 0, not all on the axis and not all equal.
 std::optional<Error> check_profile(std::string_view where, std::span<const Vec2> controls_mm);
+
+/// The same, and 1 <= degree <= kMaxDegree with more controls than that; interior knots none, or as many as the
+/// controls ask for, ascending inside (0, 1), none more than `degree` times.
+std::optional<Error> check_profile(std::string_view where, const BSplineCurve<Vec2>& profile_mm);
 
 }  // namespace anthesis

@@ -9,7 +9,10 @@
 #include "anthesis/base/error.h"
 #include "anthesis/base/progress.h"
 #include "anthesis/corolla/organ_template.h"
+#include "anthesis/geometry/surface_of_revolution.h"
 #include "anthesis/inflorescence/species.h"
+#include "anthesis/phyllotaxis/collision_model.h"
+#include "anthesis/phyllotaxis/parastichies.h"
 
 namespace anthesis {
 
@@ -60,6 +63,12 @@ struct Canopy {
   std::vector<Body> bodies;
 };
 
+/// A stretch of a head of rule kCollision where its pattern is no phyllotactic one (F92 section 4).
+struct HeadWarning {
+  std::string head;  ///< "head", "organs.areole.head"
+  PatternWarning warning;
+};
+
 struct GrowthOptions {
   std::uint64_t seed = 1;
   double detail = 1.0;  ///< scales every polygonization, (0, 8]
@@ -80,14 +89,23 @@ class Development {
   std::span<const Organ> organs() const;  ///< by id: organs()[id.value - 1]
   std::span<const OrganTemplate> templates() const;
 
+  std::span<const HeadWarning> warnings() const;
+
   /// Any time gives the same plant whatever other times are asked for. O(organs), safe to call from many threads.
   Canopy at(double time) const;
+
+  /// The receptacle of the plant's own head. 0.1 ms.
+  SurfaceOfRevolution receptacle(double time) const;
 
  private:
   struct State;
   explicit Development(std::unique_ptr<State> state);
   std::unique_ptr<State> state_;
 };
+
+/// The organs of the plant's own head at a time, in order of birth, for analyse_parastichies(). Organs that organs carry
+/// are left out.
+std::vector<PatternOrgan> pattern_of(const Development& development, double time);
 
 /// "ray_floret.12": the name of an organ in every file and message.
 std::string organ_name(const Development& development, OrganId id);

@@ -16,10 +16,18 @@ using FunctionPoints = std::vector<Vec2>;
 
 /// How organs find their places on a receptacle.
 enum class PlacementRule {
-  kCentripetal,  ///< fractionation of a naked meristem from its rim inwards (O16 fig. 11a)
+  kCentripetal,  ///< a naked meristem is covered from its rim inwards (O16 fig. 11a)
+  kDivergent,    ///< a naked meristem is covered from a line between its middle and its rim, both ways (O16 fig. 11b)
+  kSegregation,  ///< a small meristem grows and gives off an organ whenever it is large enough (O16 fig. 11c)
   kRidley,       ///< bands of given areas on a receptacle of given size (O16 eq. 3)
   kCollision,    ///< spheres of given radii that roll up from the base until they touch (F92 section 2)
 };
+
+/// Whether the rule makes the receptacle as large as the organs on it, or places them on one of given size.
+constexpr bool grows_meristem(PlacementRule rule) {
+  return rule == PlacementRule::kCentripetal || rule == PlacementRule::kDivergent ||
+         rule == PlacementRule::kSegregation;
+}
 
 /// The half section of the receptacle at one time, apex to base, as control points (radius, height) of a clamped cubic
 /// B-spline. For rules that grow the meristem only its shape counts: its size follows from the organs it carries (O16
@@ -48,28 +56,32 @@ struct FateRule {
 struct Head {
   PlacementRule rule = PlacementRule::kCentripetal;
   std::vector<ReceptacleProfile> receptacle;  ///< at least one, times ascending, equal numbers of points
+  bool bezier = false;  ///< the points are those of cubic Bezier curves, end to end: 3 n + 1; given size only
   std::string receptacle_pigment;
   double divergence_deg = 137.50776405003785;  ///< from one organ to the next, counter-clockwise seen from above
-  double interval = 0.001;                     ///< developmental time between two organs
+  double interval = 0.001;                     ///< developmental time between two organs; not for kSegregation
   double height_mm = 0.0;                      ///< of a head that an organ carries: where it stands on the organ's axis
 
-  // Rule kCentripetal.
+  // Rules that grow the meristem.
   double meristem_area_mm2 = 10.0;                            ///< naked at time 0
   FunctionPoints meristem_growth = {{0.0, 1.0}, {1.0, 1.0}};  ///< factor of the naked region's area against time
-  FunctionPoints area_growth = {{0.0, 1.0}, {1.0, 1.0}};      ///< share of the mature area against age
+  FunctionPoints
+      meristem_rate;  ///< if given, in place of the factor: its relative rate of growth; constant: exponential
+  FunctionPoints area_growth = {{0.0, 1.0}, {1.0, 1.0}};   ///< share of the mature area against age
+  double outer_area_mm2 = 10.0;                            ///< kDivergent: of the naked rim at time 0
+  FunctionPoints outer_growth = {{0.0, 1.0}, {1.0, 1.0}};  ///< kDivergent: factor of the naked rim's area against time
+  double threshold_area_mm2 = 20.0;  ///< kSegregation: area of the naked region at which it gives off an organ
 
-  // Rules kCentripetal and kRidley.
+  // All rules but kCollision.
   FunctionPoints area_mm2 = {{0.0, 1.0}, {1.0, 1.0}};  ///< mature area of an organ against its position s at birth
 
-  // Rules kRidley and kCollision.
+  // Rules with a receptacle of given size.
   FunctionPoints growth = {{0.0, 1.0}, {1.0, 1.0}};  ///< factor of the whole receptacle's size against time
   int count = 0;                                     ///< at most so many organs; 0: as many as there is room for
 
   // Rule kCollision.
   FunctionPoints radius_mm = {{0.0, 1.0}, {1.0, 1.0}};  ///< of an organ's sphere against its position s
-  double contact = 1.0;    ///< distance of two centres at contact over the sum of their radii, (0, 1]
-  double fall_back = 1.0;  ///< where radii fall towards the apex: how far an organ may fall back behind the one before
-                           ///< it along the profile, in its own radii (delta of F92 section 2.4)
+  double contact_factor = 1.0;  ///< distance of two centres at contact over the sum of their radii, (0, 1]
 
   std::vector<Zone> zones;  ///< cover [0, 1] without gap or overlap
   std::optional<FateRule> fate;
@@ -122,6 +134,7 @@ struct Peduncle {
   double radius_mm = 1.0;  ///< at the foot of the mature stem; at the head it meets the receptacle
   double bend_deg = 0.0;   ///< of the whole stem, towards -x
   FunctionPoints growth = {{0.0, 1.0}, {1.0, 1.0}};  ///< factor of the length against time
+  std::vector<Hairs> hairs;                          ///< drawn on it
 };
 
 /// A plant, as its file states it; plain data, read once and checked once.

@@ -1,4 +1,5 @@
 #pragma once
+#include <cstddef>
 #include <numbers>
 #include <optional>
 #include <span>
@@ -10,6 +11,9 @@ namespace anthesis {
 
 /// The full turn divided by phi squared, about 137.508 degrees.
 inline constexpr double kGoldenAngleRad = 2.0 * std::numbers::pi * (2.0 - std::numbers::phi);
+
+/// Azimuth of organ k: k * divergence in [0, 2 pi). A product, not a running sum, so that it inherits no rounding.
+double spiral_azimuth_rad(std::size_t k, double divergence_rad);
 
 /// A flat spiral of florets about the centre of the flower head (Vogel 1979). See docs/phyllotaxis.md.
 struct SpiralParams {
