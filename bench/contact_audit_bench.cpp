@@ -4,59 +4,27 @@
 #include <CGAL/Surface_mesh.h>
 #include <benchmark/benchmark.h>
 
-#include <array>
-#include <cstdlib>
-#include <fstream>
-#include <string>
 #include <utility>
 #include <vector>
 
 #include "anthesis/base/parallel.h"
 #include "anthesis/contact/crossings.h"
+#include "contact_scene.h"
 
 namespace anthesis {
 namespace {
 
-struct Scene {
-  std::vector<Vec3> positions_mm;
-  std::vector<Triangle> triangles;
-};
-
 /// The petals before they move (no crossings), or after.
-Scene read_scene(const std::string& name, bool after) {
-  const char* given = std::getenv("ANTHESIS_REFERENCE");
-  const std::string folder = given != nullptr ? given : ANTHESIS_REFERENCE_DEFAULT;
-  std::ifstream file(folder + "/contact-scenes/" + name + ".bin", std::ios::binary);
-  Scene scene;
-  std::array<std::int32_t, 2> counts = {};
-  const auto read = [&file](auto* to, std::size_t count) {
-    file.read(reinterpret_cast<char*>(to), static_cast<std::streamsize>(count * sizeof(*to)));
-  };
-  read(counts.data(), 2);
-  if (!file) {
-    return scene;
-  }
-  scene.positions_mm.resize(static_cast<std::size_t>(counts[0]));
-  scene.triangles.resize(static_cast<std::size_t>(counts[1]));
-  read(scene.positions_mm.data(), scene.positions_mm.size());
-  if (after) {
-    read(scene.positions_mm.data(), scene.positions_mm.size());
-  } else {
-    file.seekg(static_cast<std::streamoff>(scene.positions_mm.size() * sizeof(Vec3)), std::ios::cur);
-  }
-  read(scene.triangles.data(), scene.triangles.size());
-  return scene;
-}
-
 void BM_Audit(benchmark::State& state, const char* name, bool after) {
   const ThreadLimit threads(static_cast<int>(state.range(0)));
-  const Scene scene = read_scene(name, after);
-  if (scene.triangles.empty()) {
-    return state.SkipWithError("no reference data; set ANTHESIS_REFERENCE");
+  const ContactScene scene = read_contact_scene(name);
+  if (!scene.found()) {
+    return state.SkipWithError(kNoContactScene);
   }
+  const std::vector<Vec3>& positions = after ? scene.to_mm : scene.from_mm;
   std::uint64_t count = 0;
   for (auto _ : state) {
-    count = find_crossings(scene.positions_mm, scene.triangles)->count;
+    count = find_crossings(positions, scene.triangles)->count;
   }
   state.counters["crossings"] = static_cast<double>(count);
   state.counters["triangles"] = static_cast<double>(scene.triangles.size());
@@ -66,13 +34,14 @@ void BM_Audit(benchmark::State& state, const char* name, bool after) {
 void BM_AuditByCgal(benchmark::State& state, const char* name, bool after) {
   using Kernel = CGAL::Exact_predicates_inexact_constructions_kernel;
   using Mesh = CGAL::Surface_mesh<Kernel::Point_3>;
-  const Scene scene = read_scene(name, after);
-  if (scene.triangles.empty()) {
-    return state.SkipWithError("no reference data; set ANTHESIS_REFERENCE");
+  const ContactScene scene = read_contact_scene(name);
+  if (!scene.found()) {
+    return state.SkipWithError(kNoContactScene);
   }
+  const std::vector<Vec3>& positions = after ? scene.to_mm : scene.from_mm;
   Mesh mesh;
   std::vector<Mesh::Vertex_index> vertices;
-  for (const Vec3 p : scene.positions_mm) {
+  for (const Vec3 p : positions) {
     vertices.push_back(mesh.add_vertex({p.x, p.y, p.z}));
   }
   for (const Triangle& t : scene.triangles) {

@@ -8,21 +8,20 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <cstdlib>
-#include <fstream>
 #include <limits>
 #include <numeric>
-#include <string>
+#include <utility>
 #include <vector>
 
 #include "anthesis/base/parallel.h"
 #include "anthesis/contact/continuous.h"
 #include "anthesis/contact/detector.h"
+#include "contact_scene.h"
 
 namespace anthesis {
 namespace {
 
-constexpr std::uint32_t kVerticesOfBody = 361;
+constexpr std::uint32_t kVerticesOfBody = ContactScene::kVerticesOfBody;
 
 struct PeerScene {
   const char* file;
@@ -30,9 +29,8 @@ struct PeerScene {
   double narrow_ms;            ///< additive continuous detection, earliest time only
   double inclusion_narrow_ms;  ///< Tight-Inclusion, earliest time only
 };
-constexpr PeerScene kPeerScenes[] = {{"art_16x19_a05.bin", 10.3, 1.4, 14.2},
-                                     {"art_154x19_a05.bin", 170.0, 139.0, 1044.0},
-                                     {"art_154x19.bin", 182.0, 190.0, 1247.0}};
+constexpr PeerScene kPeerScenes[] = {
+    {"art_16x19_a05", 10.3, 1.4, 14.2}, {"art_154x19_a05", 170.0, 139.0, 1044.0}, {"art_154x19", 182.0, 190.0, 1247.0}};
 
 struct Scene {
   std::vector<Sheet> sheets;
@@ -41,39 +39,23 @@ struct Scene {
   std::vector<ContactBody> bodies;
 };
 
-/// An empty scene if the file is not there.
 Scene load(const char* file) {
-  const char* given = std::getenv("ANTHESIS_REFERENCE");
-  std::ifstream in(std::string(given != nullptr ? given : ANTHESIS_REFERENCE_DEFAULT) + "/contact-scenes/" + file,
-                   std::ios::binary);
+  ContactScene read = read_contact_scene(file);
   Scene scene;
-  std::array<std::int32_t, 2> counts = {};
-  if (!in.read(reinterpret_cast<char*>(counts.data()), sizeof counts)) {
-    return scene;
+  scene.from_mm = std::move(read.from_mm);
+  scene.to_mm = std::move(read.to_mm);
+  for (std::uint32_t b = 0; b < read.body_count; ++b) {
+    scene.bodies.push_back({0, read.first_vertex(b)});
   }
-  const auto vertex_count = static_cast<std::size_t>(counts[0]);
-  const auto triangle_count = static_cast<std::size_t>(counts[1]);
-  const std::size_t body_count = vertex_count / kVerticesOfBody;
-  scene.from_mm.resize(vertex_count);
-  scene.to_mm.resize(vertex_count);
-  std::vector<Triangle> triangles(triangle_count);
-  in.read(reinterpret_cast<char*>(scene.from_mm.data()), static_cast<std::streamsize>(vertex_count * sizeof(Vec3)));
-  in.read(reinterpret_cast<char*>(scene.to_mm.data()), static_cast<std::streamsize>(vertex_count * sizeof(Vec3)));
-  in.read(reinterpret_cast<char*>(triangles.data()), static_cast<std::streamsize>(triangle_count * sizeof(Triangle)));
-  triangles.resize(triangle_count / body_count);
-  scene.sheets = {make_sheet(kVerticesOfBody, triangles)};
-  for (std::uint32_t b = 0; b < body_count; ++b) {
-    scene.bodies.push_back({0, b * kVerticesOfBody});
-  }
+  scene.sheets.push_back(std::move(read.sheet));
   return scene;
 }
 
 bool loaded(benchmark::State& state, const Scene& scene) {
   if (scene.bodies.empty()) {
-    state.SkipWithError("no contact scenes; set ANTHESIS_REFERENCE");
-    return false;
+    state.SkipWithError(kNoContactScene);
   }
-  return true;
+  return !scene.bodies.empty();
 }
 
 std::array<Vec3, 4> points_of(const std::vector<Vec3>& positions_mm, const CandidatePair& pair) {
@@ -171,7 +153,7 @@ BENCHMARK(BM_BroadAndNarrowPhase)->DenseRange(0, 2)->Unit(benchmark::kMillisecon
 /// Near pairs at rest, for a reach of a percentage of the edge length.
 void BM_FindNear(benchmark::State& state) {
   const ThreadLimit one(1);
-  Scene scene = load("art_154x19_a05.bin");
+  Scene scene = load("art_154x19_a05");
   if (!loaded(state, scene)) {
     return;
   }

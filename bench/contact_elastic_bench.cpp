@@ -1,17 +1,13 @@
 #include <benchmark/benchmark.h>
 
-#include <algorithm>
 #include <array>
-#include <cmath>
-#include <cstdlib>
-#include <fstream>
 #include <memory>
-#include <string>
 #include <vector>
 
 #include "anthesis/base/math.h"
 #include "anthesis/base/parallel.h"
 #include "anthesis/contact/elastic_batch.h"
+#include "contact_scene.h"
 
 /// Time of one projection of one constraint, ten sweeps a step, on 154 petals of 19 x 19 vertices that have grown by a
 /// fiftieth and shifted. A PBD library in use today takes 73 to 123 ns of one thread and 35 to 38 ns of two for the
@@ -20,125 +16,70 @@ namespace anthesis {
 namespace {
 
 constexpr int kSweeps = 10;
+constexpr std::uint32_t kAttached = 19;  // a side of each petal
 constexpr double kPeerOneThread = 73e-9;
 constexpr double kPeerTwoThreads = 35e-9;
 
-struct Scene {
-  std::vector<Vec3> start_mm;
-  std::vector<Vec3> grown_mm;
-  std::vector<std::uint32_t> first_vertex;
-  Sheet sheet;
-
-  std::int64_t projections() const {
-    return static_cast<std::int64_t>(kSweeps * first_vertex.size() *
-                                     (sheet.edges.size() + sheet.hinges.size() + sheet.attached.size()));
-  }
-};
-
-constexpr std::uint32_t kPetals = 154;
-constexpr std::uint32_t kSide = 19;
-constexpr std::uint32_t kVertices = kSide * kSide;
-
-/// The petals of the file; without it bowls of the same size.
-Scene grid_scene() {
-  Scene scene;
-  std::vector<Triangle> triangles;
-  for (std::uint32_t row = 0; row + 1 < kSide; ++row) {
-    for (std::uint32_t column = 0; column + 1 < kSide; ++column) {
-      const std::uint32_t a = row * kSide + column;
-      triangles.push_back({a, a + 1, a + kSide});
-      triangles.push_back({a + 1, a + 1 + kSide, a + kSide});
+const ContactScene& scene() {
+  static const ContactScene made = [] {
+    ContactScene read = read_contact_scene("art_154x19_a05");
+    for (std::uint32_t v = 0; read.found() && v < kAttached; ++v) {
+      read.sheet.attached.push_back(v);
+      read.sheet.attachment_stiffness.push_back(1.0);
     }
-  }
-  const char* given = std::getenv("ANTHESIS_REFERENCE");
-  std::ifstream file(
-      std::string(given != nullptr ? given : ANTHESIS_REFERENCE_DEFAULT) + "/contact-scenes/art_154x19_a05.bin",
-      std::ios::binary);
-  std::array<std::int32_t, 2> counts{};
-  if (file.read(reinterpret_cast<char*>(counts.data()), sizeof(counts)) &&
-      counts[0] == static_cast<int>(kPetals * kVertices)) {
-    const auto total = static_cast<std::size_t>(counts[0]);
-    scene.start_mm.resize(total);
-    scene.grown_mm.resize(total);
-    file.read(reinterpret_cast<char*>(scene.start_mm.data()), static_cast<std::streamsize>(total * sizeof(Vec3)));
-    file.read(reinterpret_cast<char*>(scene.grown_mm.data()), static_cast<std::streamsize>(total * sizeof(Vec3)));
-    // All petals have the triangles of the first one.
-    std::vector<std::int32_t> corners(static_cast<std::size_t>(counts[1]) * 3 / kPetals);
-    file.read(reinterpret_cast<char*>(corners.data()), static_cast<std::streamsize>(corners.size() * 4));
-    triangles.clear();
-    for (std::size_t i = 0; i < corners.size(); i += 3) {
-      triangles.push_back({static_cast<std::uint32_t>(corners[i]), static_cast<std::uint32_t>(corners[i + 1]),
-                           static_cast<std::uint32_t>(corners[i + 2])});
-    }
-  } else {
-    for (std::uint32_t petal = 0; petal < kPetals; ++petal) {
-      for (std::uint32_t v = 0; v < kVertices; ++v) {
-        const double x = static_cast<double>(v % kSide) / kSide;
-        const double y = static_cast<double>(v / kSide) / kSide;
-        const Vec3 at = {x, y, 0.3 * (x * x + y * y) + 0.01 * petal};
-        scene.start_mm.push_back(at);
-        scene.grown_mm.push_back(1.02 * at + Vec3{0.0, 0.0, 0.01 * x});
-      }
-    }
-  }
-  scene.sheet = make_sheet(kVertices, triangles);
-  for (std::uint32_t v = 0; v < kSide; ++v) {
-    scene.sheet.attached.push_back(v);
-    scene.sheet.attachment_stiffness.push_back(1.0);
-  }
-  for (std::uint32_t petal = 0; petal < kPetals; ++petal) {
-    scene.first_vertex.push_back(petal * kVertices);
-  }
-  return scene;
-}
-
-const Scene& scene() {
-  static const Scene made = grid_scene();
+    return read;
+  }();
   return made;
 }
 
+std::vector<std::uint32_t> first_vertices() {
+  std::vector<std::uint32_t> first;
+  for (std::uint32_t body = 0; body < scene().body_count; ++body) {
+    first.push_back(scene().first_vertex(body));
+  }
+  return first;
+}
+
+bool loaded(benchmark::State& state) {
+  if (!scene().found()) {
+    state.SkipWithError(kNoContactScene);
+  }
+  return scene().found();
+}
+
 void report(benchmark::State& state) {
+  const Sheet& sheet = scene().sheet;
+  const std::size_t constraints = sheet.edges.size() + sheet.hinges.size() + sheet.attached.size();
   state.counters["per_projection"] =
-      benchmark::Counter(static_cast<double>(scene().projections()),
+      benchmark::Counter(static_cast<double>(kSweeps * scene().body_count * constraints),
                          benchmark::Counter::kIsIterationInvariantRate | benchmark::Counter::kInvert);
   state.counters["peer"] = state.range(0) == 1 ? kPeerOneThread : kPeerTwoThreads;
 }
 
-void BM_ElasticSweeps(benchmark::State& state) {
+void BM_ElasticSweeps(benchmark::State& state, void (ElasticBatch::*go)(int sweeps)) {
+  if (!loaded(state)) {
+    return;
+  }
   const ThreadLimit limit(static_cast<int>(state.range(0)));
   ElasticBatch batch(scene().sheet);
-  batch.set_rest(scene().grown_mm, scene().first_vertex);
-  std::vector<Vec3> positions = scene().start_mm;
+  batch.set_rest(scene().to_mm, first_vertices());
+  std::vector<Vec3> positions = scene().from_mm;
   for (auto _ : state) {
-    batch.load(scene().start_mm);
-    batch.sweep(kSweeps);
+    batch.load(scene().from_mm);
+    (batch.*go)(kSweeps);
     batch.store(positions);
     benchmark::DoNotOptimize(positions.data());
   }
   report(state);
 }
-BENCHMARK(BM_ElasticSweeps)
+BENCHMARK_CAPTURE(BM_ElasticSweeps, sweep, &ElasticBatch::sweep)
     ->ArgName("threads")
     ->Arg(1)
     ->Arg(2)
     ->Unit(benchmark::kMillisecond)
     ->MeasureProcessCPUTime()
     ->UseRealTime();
-
-void BM_ElasticSweepsWithMomentum(benchmark::State& state) {
-  const ThreadLimit limit(static_cast<int>(state.range(0)));
-  ElasticBatch batch(scene().sheet);
-  batch.set_rest(scene().grown_mm, scene().first_vertex);
-  std::vector<Vec3> positions = scene().start_mm;
-  for (auto _ : state) {
-    batch.load(scene().start_mm);
-    batch.settle(kSweeps);
-    batch.store(positions);
-    benchmark::DoNotOptimize(positions.data());
-  }
-  report(state);
-}
-BENCHMARK(BM_ElasticSweepsWithMomentum)
+BENCHMARK_CAPTURE(BM_ElasticSweeps, settle, &ElasticBatch::settle)
     ->ArgName("threads")
     ->Arg(1)
     ->Arg(2)
@@ -147,10 +88,14 @@ BENCHMARK(BM_ElasticSweepsWithMomentum)
     ->UseRealTime();
 
 void BM_SetRest(benchmark::State& state) {
+  if (!loaded(state)) {
+    return;
+  }
   const ThreadLimit limit(static_cast<int>(state.range(0)));
+  const std::vector<std::uint32_t> first = first_vertices();
   ElasticBatch batch(scene().sheet);
   for (auto _ : state) {
-    batch.set_rest(scene().grown_mm, scene().first_vertex);
+    batch.set_rest(scene().to_mm, first);
   }
 }
 BENCHMARK(BM_SetRest)
@@ -237,26 +182,29 @@ class AttachmentConstraint : public Constraint {
 };
 
 void BM_OneConstraintAtATime(benchmark::State& state) {
+  if (!loaded(state)) {
+    return;
+  }
   const ThreadLimit limit(static_cast<int>(state.range(0)));
-  const Scene& s = scene();
-  std::vector<std::vector<std::unique_ptr<Constraint>>> organs(s.first_vertex.size());
+  const ContactScene& s = scene();
+  std::vector<std::vector<std::unique_ptr<Constraint>>> organs(s.body_count);
   for (std::size_t k = 0; k < organs.size(); ++k) {
-    const std::uint32_t first = s.first_vertex[k];
+    const std::uint32_t first = s.first_vertex(static_cast<std::uint32_t>(k));
     for (const auto& edge : s.sheet.edges) {
-      organs[k].push_back(std::make_unique<EdgeConstraint>(first + edge[0], first + edge[1], s.grown_mm));
+      organs[k].push_back(std::make_unique<EdgeConstraint>(first + edge[0], first + edge[1], s.to_mm));
     }
     for (const auto& hinge : s.sheet.hinges) {
       const std::array<std::uint32_t, 4> moved = {first + hinge[0], first + hinge[1], first + hinge[2],
                                                   first + hinge[3]};
-      organs[k].push_back(std::make_unique<HingeConstraint>(moved, s.grown_mm));
+      organs[k].push_back(std::make_unique<HingeConstraint>(moved, s.to_mm));
     }
     for (const std::uint32_t vertex : s.sheet.attached) {
-      organs[k].push_back(std::make_unique<AttachmentConstraint>(first + vertex, s.grown_mm));
+      organs[k].push_back(std::make_unique<AttachmentConstraint>(first + vertex, s.to_mm));
     }
   }
   std::vector<Vec3> positions;
   for (auto _ : state) {
-    positions = s.start_mm;
+    positions = s.from_mm;
     parallel_for(organs.size(), [&](std::size_t k) {
       for (int sweep = 0; sweep < kSweeps; ++sweep) {
         for (const auto& constraint : organs[k]) {

@@ -7,12 +7,7 @@
 // inclusion_peer_ms.
 #include <benchmark/benchmark.h>
 
-#include <array>
 #include <cmath>
-#include <cstdlib>
-#include <fstream>
-#include <memory>
-#include <string>
 #include <vector>
 
 #include "anthesis/base/math.h"
@@ -20,64 +15,29 @@
 #include "anthesis/contact/detector.h"
 #include "anthesis/contact/elastic_batch.h"
 #include "anthesis/contact/growing_sheets.h"
+#include "contact_scene.h"
 #include "step_filter.h"
 
 namespace anthesis {
 namespace {
 
-constexpr std::uint32_t kVerticesOfBody = 361;
+constexpr std::uint32_t kVerticesOfBody = ContactScene::kVerticesOfBody;
 constexpr int kSweeps = 10;
 
 /// Of one thread and of two.
 constexpr double kPeer_ms[] = {837.0, 419.0};
 constexpr double kInclusionPeer_ms[] = {1742.0, 822.0};
 
-struct Scene {
-  Sheet sheet;
-  std::vector<Vec3> from_mm;
-  std::vector<Vec3> to_mm;
-  std::size_t bodies = 0;
-  double edge_mm = 0.0;  ///< mean
-};
-
-/// An empty scene if the file is not there.
-Scene read_scene() {
-  const char* given = std::getenv("ANTHESIS_REFERENCE");
-  std::ifstream in(
-      std::string(given != nullptr ? given : ANTHESIS_REFERENCE_DEFAULT) + "/contact-scenes/art_154x19_a05.bin",
-      std::ios::binary);
-  Scene scene;
-  std::array<std::int32_t, 2> counts = {};
-  if (!in.read(reinterpret_cast<char*>(counts.data()), sizeof counts)) {
-    return scene;
-  }
-  const auto vertex_count = static_cast<std::size_t>(counts[0]);
-  scene.bodies = vertex_count / kVerticesOfBody;
-  scene.from_mm.resize(vertex_count);
-  scene.to_mm.resize(vertex_count);
-  std::vector<Triangle> triangles(static_cast<std::size_t>(counts[1]));
-  in.read(reinterpret_cast<char*>(scene.from_mm.data()), static_cast<std::streamsize>(vertex_count * sizeof(Vec3)));
-  in.read(reinterpret_cast<char*>(scene.to_mm.data()), static_cast<std::streamsize>(vertex_count * sizeof(Vec3)));
-  in.read(reinterpret_cast<char*>(triangles.data()), static_cast<std::streamsize>(triangles.size() * sizeof(Triangle)));
-  triangles.resize(triangles.size() / scene.bodies);
-  scene.sheet = make_sheet(kVerticesOfBody, triangles);
-  for (const auto& [a, b] : scene.sheet.edges) {
-    scene.edge_mm += length(scene.from_mm[b] - scene.from_mm[a]) / static_cast<double>(scene.sheet.edges.size());
-  }
-  return scene;
-}
-
-const Scene& scene() {
-  static const Scene read = read_scene();
+const ContactScene& scene() {
+  static const ContactScene read = read_contact_scene("art_154x19_a05");
   return read;
 }
 
 bool loaded(benchmark::State& state) {
-  if (scene().bodies == 0) {
-    state.SkipWithError("no contact scenes; set ANTHESIS_REFERENCE");
-    return false;
+  if (!scene().found()) {
+    state.SkipWithError(kNoContactScene);
   }
-  return true;
+  return scene().found();
 }
 
 constexpr double kThicknessShare = 0.1;  // of an edge
@@ -86,10 +46,10 @@ constexpr double kThicknessShare = 0.1;  // of an edge
 GrowingSheets start() {
   GrowingSheets sheets({scene().sheet}, {.sweeps = kSweeps, .piece = 1.0, .settling_passes = 0});
   GrowingSheets::Snapshot snapshot;
-  snapshot.bodies.assign(scene().bodies, {0, kThicknessShare * scene().edge_mm});
+  snapshot.bodies.assign(scene().body_count, {0, kThicknessShare * scene().mean_edge_mm()});
   snapshot.positions_mm = scene().from_mm;
   snapshot.targets_mm = scene().from_mm;
-  snapshot.awake.assign(scene().bodies, 1);
+  snapshot.awake.assign(scene().body_count, 1);
   snapshot.wanted_mm.assign(scene().from_mm.size(), 0.0);
   sheets.restore(std::move(snapshot));
   return sheets;
@@ -211,39 +171,45 @@ BENCHMARK(BM_Pass)
     ->MeasureProcessCPUTime()
     ->UseRealTime();
 
-/// What the pass looks around for: as far as each vertex moves and a little more.
+/// What the pass looks around for: along each vertex's way and a little more.
 struct Surroundings {
+  std::vector<Vec3> way_mm;
   std::vector<double> reach_mm;
-  std::vector<ContactBody> among;
-  std::vector<ContactBody> within;
+  std::vector<ContactBody> bodies;
   std::vector<MovingBody> moving;
 
   Surroundings() {
-    const double thickness_mm = kThicknessShare * scene().edge_mm;
+    const double thickness_mm = kThicknessShare * scene().mean_edge_mm();
     for (std::size_t i = 0; i < scene().from_mm.size(); ++i) {
-      reach_mm.push_back(0.7 * thickness_mm + 1.05 * length(scene().to_mm[i] - scene().from_mm[i]));
+      way_mm.push_back(scene().to_mm[i] - scene().from_mm[i]);
+      reach_mm.push_back(0.7 * thickness_mm + 0.05 * length(way_mm[i]));
     }
-    for (std::uint32_t b = 0; b < scene().bodies; ++b) {
+    for (std::uint32_t b = 0; b < scene().body_count; ++b) {
       const std::uint32_t first = b * kVerticesOfBody;
-      const auto reach = std::span(reach_mm).subspan(first, kVerticesOfBody);
-      among.push_back({0, first, 0.7 * thickness_mm, reach, true, false, true});
-      within.push_back({0, first, 0.7 * thickness_mm, reach, true, true, false});
+      ContactBody body{0, first};
+      body.vertex_reach_mm = std::span(reach_mm).subspan(first, kVerticesOfBody);
+      body.vertex_way_mm = std::span(way_mm).subspan(first, kVerticesOfBody);
+      bodies.push_back(body);
       moving.push_back({first, first + kVerticesOfBody, {}, true});
     }
   }
 };
 
+/// All contacts, or those of two petals alone.
 void BM_Detector(benchmark::State& state) {
   if (!loaded(state)) {
     return;
   }
   const ThreadLimit limit(static_cast<int>(state.range(0)));
-  const Surroundings around;
+  Surroundings around;
+  for (ContactBody& body : around.bodies) {
+    body.within = state.range(1) != 0;
+  }
   const std::vector<Sheet> sheets = {scene().sheet};
   Detector detector(sheets);
   std::vector<Contact> contacts;
   for (auto _ : state) {
-    detector.find_near(scene().from_mm, state.range(1) != 0 ? around.within : around.among, contacts);
+    detector.find_near(scene().from_mm, around.bodies, contacts);
   }
   state.counters["contacts"] = static_cast<double>(contacts.size());
 }
@@ -262,16 +228,13 @@ void BM_Filter(benchmark::State& state) {
   const Surroundings around;
   const std::vector<Sheet> sheets = {scene().sheet};
   std::vector<Contact> contacts;
-  std::vector<Contact> more;
-  Detector(sheets).find_near(scene().from_mm, around.among, contacts);
-  Detector(sheets).find_near(scene().from_mm, around.within, more);
-  contacts.insert(contacts.end(), more.begin(), more.end());
+  Detector(sheets).find_near(scene().from_mm, around.bodies, contacts);
   StepFilter filter;
   std::vector<Vec3> to;
   for (auto _ : state) {
     to = scene().to_mm;
     benchmark::DoNotOptimize(
-        filter.apply(contacts, around.moving, around.reach_mm, around.reach_mm, scene().from_mm, to));
+        filter.apply(contacts, around.moving, {around.way_mm, around.reach_mm, around.reach_mm}, scene().from_mm, to));
   }
   state.counters["contacts"] = static_cast<double>(contacts.size());
 }
@@ -289,7 +252,7 @@ void BM_Elastic(benchmark::State& state) {
   }
   const ThreadLimit limit(static_cast<int>(state.range(0)));
   std::vector<std::uint32_t> first;
-  for (std::uint32_t b = 0; b < scene().bodies; ++b) {
+  for (std::uint32_t b = 0; b < scene().body_count; ++b) {
     first.push_back(b * kVerticesOfBody);
   }
   ElasticBatch batch(scene().sheet);

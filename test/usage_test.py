@@ -10,7 +10,7 @@ import time
 
 from program import DONE, INTERRUPTED, PROGRAM, SOURCE, USAGE, ProgramTest, main, scene
 
-COMMANDS = ["grow", "pattern", "render", "species", "check"]
+COMMANDS = ["grow", "pattern", "render", "species", "check", "import"]
 
 
 class Help(ProgramTest):
@@ -52,7 +52,8 @@ class Mistakes(ProgramTest):
         self.expect(USAGE)
         self.expect(USAGE, "grow", message="SPECIES is required")
         self.expect(USAGE, "grow", "sunflower", message="say where to write: -o flower.glb")
-        self.expect(USAGE, "pattern", message="say which pattern: a species, or --vogel N for a flat disc")
+        self.expect(USAGE, "pattern", message="say which pattern: a species, --measured FILE, --vogel N for a flat disc, or "
+                            "--study divergence")
         self.expect(USAGE, "render", "sunflower", message="say where to write one picture: -o flower.png")
         self.expect(USAGE, "species", "--check", message="--check needs a species or a file")
 
@@ -124,7 +125,8 @@ class Mistakes(ProgramTest):
             self.expect(USAGE, *useless, "--checkpoint", "work",
                         message="--checkpoint is for the work on collisions, and this command does none")
         self.expect(USAGE, "pattern", "sunflower", "--vogel", "82",
-                    message="--vogel and --sweep make their own pattern: give them or a species, not both")
+                    message="a species, --measured, --study, and --vogel or --sweep each have their own pattern: "
+                            "give one of them")
         self.expect(USAGE, "pattern", "--sweep", "cone-deg=20:89:1",
                     message="--sweep cone-deg needs the number of florets: --vogel N")
 

@@ -179,10 +179,6 @@ struct RelativeMotion {
 /// Distances that rounding cannot tell from a touch, as a share of the largest relative coordinate.
 constexpr double kTouchTolerance = 64.0 * kUnitRoundoff;
 
-double sum_of_sizes(Vec3 v) {
-  return std::abs(v.x) + std::abs(v.y) + std::abs(v.z);
-}
-
 /// How long from `time` on a plane across the unit vector `direction` certainly keeps the primitives apart: a time up
 /// to 1, infinity where they stay apart to the end, or -1 where not even at `time`.
 ///

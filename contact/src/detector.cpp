@@ -1,215 +1,18 @@
 #include "anthesis/contact/detector.h"
 
 #include <algorithm>
-#include <bit>
+#include <limits>
 
 #include "anthesis/base/assert.h"
 #include "anthesis/base/parallel.h"
 #include "anthesis/contact/continuous.h"
 #include "hierarchy.h"
+#include "near_batch.h"
 #include "nearest.h"
+#include "traversal.h"
 
 namespace anthesis {
 namespace {
-
-/// A pair of primitives of two bodies, or of one: its kind, then the primitives' indices in their sheets. As numbers
-/// they sort into an order that does not depend on the hierarchy.
-struct PrimitivePair {
-  enum Kind : std::uint64_t { kVertexOfFirst = 0, kVertexOfSecond = 1, kEdges = 2 };
-  std::uint64_t key;
-
-  PrimitivePair(Kind kind, std::uint32_t first, std::uint32_t second)
-      : key(kind << 62 | static_cast<std::uint64_t>(first) << 31 | second) {}
-  Kind kind() const { return static_cast<Kind>(key >> 62); }
-  std::uint32_t first() const { return static_cast<std::uint32_t>(key >> 31 & 0x7fffffff); }
-  std::uint32_t second() const { return static_cast<std::uint32_t>(key & 0x7fffffff); }
-  friend bool operator<(PrimitivePair a, PrimitivePair b) { return a.key < b.key; }
-};
-
-/// One body as the traversal sees it.
-struct View {
-  const SheetHierarchy* hierarchy = nullptr;
-  const BodyBounds* bounds = nullptr;
-};
-
-/// The vertex-triangle and edge-edge pairs of two facets that these answer for and whose bounds overlap.
-class FacetPairs {
- public:
-  FacetPairs(View first, View second, std::vector<PrimitivePair>& pairs)
-      : first_(first), second_(second), within_(first.bounds == second.bounds), pairs_(pairs) {}
-
-  void test(std::uint32_t i, std::uint32_t j) {
-    const SheetHierarchy::Facet& one = first_.hierarchy->facets[i];
-    const SheetHierarchy::Facet& other = second_.hierarchy->facets[j];
-    if (within_ && share_a_vertex(one.corners, other.corners)) {
-      return;  // neighbours() has them
-    }
-    corners_against(first_, one, second_, other, j, PrimitivePair::kVertexOfFirst);
-    corners_against(second_, other, first_, one, i,
-                    within_ ? PrimitivePair::kVertexOfFirst : PrimitivePair::kVertexOfSecond);
-    const unsigned other_sides = sides_against(second_, other, first_.bounds->facets[i], other_bounds_);
-    if (other_sides == 0) {
-      return;
-    }
-    for (unsigned bits = sides_against(first_, one, second_.bounds->facets[j], own_bounds_); bits != 0;
-         bits &= bits - 1) {
-      const int k = std::countr_zero(bits);
-      for (unsigned other_bits = other_sides; other_bits != 0; other_bits &= other_bits - 1) {
-        const int l = std::countr_zero(other_bits);
-        if (overlap(own_bounds_[k], other_bounds_[l])) {
-          add_edges(one.sides[k], other.sides[l]);
-        }
-      }
-    }
-  }
-
-  /// Those of one body whose facets have a common vertex.
-  void neighbours() {
-    const SheetHierarchy& hierarchy = *first_.hierarchy;
-    const BodyBounds& bounds = *first_.bounds;
-    for (const auto& [vertex, facet] : hierarchy.neighbour_vertices) {
-      if (overlap(bounds.vertices[vertex], bounds.facets[facet])) {
-        pairs_.push_back({PrimitivePair::kVertexOfFirst, vertex, hierarchy.facets[facet].triangle});
-      }
-    }
-    edges_.resize(hierarchy.edges.size());
-    for (std::size_t i = 0; i < edges_.size(); ++i) {
-      edges_[i] = joined(bounds.vertices[hierarchy.edges[i][0]], bounds.vertices[hierarchy.edges[i][1]]);
-    }
-    for (const auto& [first, second] : hierarchy.neighbour_edges) {
-      if (overlap(edges_[first], edges_[second])) {
-        pairs_.push_back({PrimitivePair::kEdges, first, second});
-      }
-    }
-  }
-
- private:
-  /// The bits of the sides that a facet answers for and that come near the other facet, with their bounds.
-  static unsigned sides_against(const View& view, const SheetHierarchy::Facet& facet, const Slabs& target,
-                                std::array<Slabs, 3>& bounds) {
-    unsigned near = 0;
-    for (unsigned bits = facet.owned_sides; bits != 0; bits &= bits - 1) {
-      const int k = std::countr_zero(bits);
-      bounds[k] = joined(view.bounds->vertices[facet.corners[k]], view.bounds->vertices[facet.corners[(k + 1) % 3]]);
-      near |= static_cast<unsigned>(overlap(bounds[k], target)) << k;
-    }
-    return near;
-  }
-
-  void corners_against(const View& owner, const SheetHierarchy::Facet& facet, const View& target,
-                       const SheetHierarchy::Facet& triangle, std::uint32_t triangle_at, PrimitivePair::Kind kind) {
-    for (unsigned bits = facet.owned_corners; bits != 0; bits &= bits - 1) {
-      const std::uint32_t vertex = facet.corners[std::countr_zero(bits)];
-      if (!overlap(owner.bounds->vertices[vertex], target.bounds->facets[triangle_at])) {
-        continue;
-      }
-      pairs_.push_back(kind == PrimitivePair::kVertexOfFirst ? PrimitivePair(kind, vertex, triangle.triangle)
-                                                             : PrimitivePair(kind, triangle.triangle, vertex));
-    }
-  }
-
-  void add_edges(std::uint32_t first, std::uint32_t second) {
-    if (within_) {
-      pairs_.push_back({PrimitivePair::kEdges, std::min(first, second), std::max(first, second)});
-    } else {
-      pairs_.push_back({PrimitivePair::kEdges, first, second});
-    }
-  }
-
-  View first_;
-  View second_;
-  bool within_;
-  std::vector<PrimitivePair>& pairs_;
-  std::array<Slabs, 3> own_bounds_;    // of sides
-  std::array<Slabs, 3> other_bounds_;  // of the other facet's sides
-  std::vector<Slabs> edges_;
-};
-
-/// Descends two trees together, from a pair of nodes whose bounds overlap to the facets whose bounds overlap.
-class PairTraversal {
- public:
-  PairTraversal(View first, View second, std::vector<PrimitivePair>& pairs)
-      : first_(first), second_(second), facets_(first, second, pairs) {}
-
-  void two_bodies() {
-    if (overlap(first_.bounds->nodes[0], second_.bounds->nodes[0])) {
-      across(0, 0);
-    }
-  }
-
-  void one_body() {
-    facets_.neighbours();
-    const std::vector<BinaryTree::Node>& nodes = first_.hierarchy->tree.nodes;
-    for (std::uint32_t i = 0; i < nodes.size(); ++i) {
-      const BinaryTree::Node& node = nodes[i];
-      if (node.right == 0) {
-        for (std::uint32_t a = node.begin; a < node.end; ++a) {
-          for (std::uint32_t b = a + 1; b < node.end; ++b) {
-            facets_.test(a, b);
-          }
-        }
-      } else if (overlap(first_.bounds->nodes[i + 1], first_.bounds->nodes[node.right])) {
-        across(i + 1, node.right);
-      }
-    }
-  }
-
- private:
-  void across(std::uint32_t first_node, std::uint32_t second_node) {
-    const BinaryTree::Node* const first_nodes = first_.hierarchy->tree.nodes.data();
-    const BinaryTree::Node* const second_nodes = second_.hierarchy->tree.nodes.data();
-    const Slabs* const first_bounds = first_.bounds->nodes.data();
-    const Slabs* const second_bounds = second_.bounds->nodes.data();
-    // Halves make trees of at most 32 levels, and each step leaves one pair more than it took for a level of one tree.
-    std::array<std::array<std::uint32_t, 2>, 80> stack;
-    std::size_t depth = 0;
-    stack[depth++] = {first_node, second_node};
-    while (depth > 0) {
-      const std::array<std::uint32_t, 2> pair = stack[--depth];
-      const std::uint32_t i = pair[0];
-      const std::uint32_t j = pair[1];
-      const BinaryTree::Node& a = first_nodes[i];
-      const BinaryTree::Node& b = second_nodes[j];
-      // No branch depends on a test: which way it goes cannot be foretold, and a wrong guess costs more than the test.
-      if (a.right == 0 && b.right == 0) {
-        leaves(a, b, second_bounds[j]);
-      } else if (b.right == 0 || (a.right != 0 && a.count() >= b.count())) {
-        for (const std::uint32_t child : {i + 1, a.right}) {
-          stack[depth] = {child, j};
-          depth += overlap(first_bounds[child], second_bounds[j]);
-        }
-      } else {
-        for (const std::uint32_t child : {j + 1, b.right}) {
-          stack[depth] = {i, child};
-          depth += overlap(first_bounds[i], second_bounds[child]);
-        }
-      }
-    }
-  }
-
-  void leaves(const BinaryTree::Node& a, const BinaryTree::Node& b, const Slabs& bounds_of_b) {
-    const Slabs* const first = first_.bounds->facets.data() + a.begin;
-    const Slabs* const second = second_.bounds->facets.data() + b.begin;
-    unsigned rows = 0;
-    for (unsigned i = 0; i < a.count(); ++i) {
-      rows |= static_cast<unsigned>(overlap(first[i], bounds_of_b)) << i;
-    }
-    for (; rows != 0; rows &= rows - 1) {
-      const auto i = static_cast<unsigned>(std::countr_zero(rows));
-      unsigned columns = 0;
-      for (unsigned j = 0; j < b.count(); ++j) {
-        columns |= static_cast<unsigned>(overlap(first[i], second[j])) << j;
-      }
-      for (; columns != 0; columns &= columns - 1) {
-        facets_.test(a.begin + i, b.begin + static_cast<unsigned>(std::countr_zero(columns)));
-      }
-    }
-  }
-
-  View first_;
-  View second_;
-  FacetPairs facets_;
-};
 
 /// Some unit vector across the primitives, for those that touch.
 Vec3 normal_where_touching(const std::array<Vec3, 4>& points, bool edges) {
@@ -222,6 +25,131 @@ Vec3 normal_where_touching(const std::array<Vec3, 4>& points, bool edges) {
   const Vec3 along = normalized(edges ? points[1] - points[0] : points[2] - points[1]);
   return along == Vec3{} ? Vec3{0.0, 0.0, 1.0} : any_perpendicular(along);
 }
+
+/// Looks for the nearest points of pairs of primitives, some at a time, and keeps those that look at each other.
+class NearPairs {
+ public:
+  NearPairs(std::span<const Vec3> positions_mm, std::span<const ContactBody> bodies, std::vector<Contact>& contacts)
+      : positions_(positions_mm), bodies_(bodies), contacts_(contacts) {}
+
+  void add(const CandidatePair& pair) {
+    const std::size_t lane = count_;
+    pairs_[count_++] = pair;
+    const int firsts = pair.edges ? 2 : 1;
+    for (int k = 0; k < 4; ++k) {
+      const ContactBody& body = bodies_[k < firsts ? pair.first_body : pair.second_body];
+      const std::uint32_t vertex = pair.vertices[k] - body.first_vertex;
+      put(batch_.points[k], lane, positions_[pair.vertices[k]]);
+      put(batch_.ways[k], lane, body.vertex_way_mm.empty() ? Vec3{} : body.vertex_way_mm[vertex]);
+      const double reach = body.vertex_reach_mm.empty() ? body.reach_mm : body.vertex_reach_mm[vertex];
+      batch_.reaches[k][lane] =
+          pair.first_body == pair.second_body ? std::max(0.0, reach - body.within_less_mm) : reach;
+    }
+    if (count_ == NearBatch::kLanes) {
+      flush();
+    }
+  }
+
+  /// To be called before pairs of another kind or of other bodies, and at the end.
+  void flush() {
+    if (count_ == 0) {
+      return;
+    }
+    const CandidatePair& any = pairs_[0];
+    const bool within = any.first_body == any.second_body;  // parts of one body ride together
+    batch_.rides = {within ? Vec3{} : bodies_[any.first_body].ride_mm,
+                    within ? Vec3{} : bodies_[any.second_body].ride_mm};
+    any.edges ? find_nearest_edges(batch_) : find_nearest_vertex_triangle(batch_);
+    // One of the few that went wrong is found the long way, and kept unless it is far out of sight.
+    for (std::size_t lane = 0; lane < count_; ++lane) {
+      const bool sound = (batch_.sound >> lane & 1) != 0;
+      if (sound && (batch_.apart >> lane & 1) != 0) {
+        continue;
+      }
+      if (sound) {
+        keep(pairs_[lane], nearest_in(lane));
+      } else {
+        const std::array<Vec3, 4> points = points_of(pairs_[lane]);
+        const Nearest nearest = any.edges ? nearest_edge_edge(points) : nearest_vertex_triangle(points);
+        if (!stay_apart(lane, points, nearest.difference)) {
+          keep(pairs_[lane], nearest);
+        }
+      }
+    }
+    count_ = 0;
+  }
+
+ private:
+  static void put(NearBatch::Lanes3& to, std::size_t lane, Vec3 v) {
+    to[0][lane] = v.x;
+    to[1][lane] = v.y;
+    to[2][lane] = v.z;
+  }
+  static Vec3 in_lane(const NearBatch::Lanes3& from, std::size_t lane) {
+    return {from[0][lane], from[1][lane], from[2][lane]};
+  }
+
+  Nearest nearest_in(std::size_t lane) const {
+    Nearest nearest;
+    for (int k = 0; k < 4; ++k) {
+      nearest.weights[k] = batch_.weights[k][lane];
+    }
+    nearest.difference = in_lane(batch_.difference, lane);
+    nearest.distance = batch_.distance[lane];
+    return nearest;
+  }
+
+  std::array<Vec3, 4> points_of(const CandidatePair& pair) const {
+    return {positions_[pair.vertices[0]], positions_[pair.vertices[1]], positions_[pair.vertices[2]],
+            positions_[pair.vertices[3]]};
+  }
+
+  /// Whether a plane square to `direction` lies between all places that the two can get to with what they look around:
+  /// certainly, rounding included. Where it comes from does not matter.
+  bool stay_apart(std::size_t lane, const std::array<Vec3, 4>& points, Vec3 direction) const {
+    const int firsts = pairs_[lane].edges ? 2 : 1;
+    const double size = length(direction);
+    double first = std::numeric_limits<double>::infinity();
+    double second = -std::numeric_limits<double>::infinity();
+    double largest = extent(points);
+    for (int k = 0; k < 4; ++k) {
+      const Vec3 way = in_lane(batch_.ways[k], lane);
+      const double reach = batch_.reaches[k][lane];
+      const double height = dot(direction, points[k] - points[3]);
+      const double further = dot(direction, way);
+      largest = std::max({largest, reach, sum_of_sizes(way)});
+      if (k < firsts) {
+        first = std::min(first, height + std::min(further, 0.0) - size * reach);
+      } else {
+        second = std::max(second, height + std::max(further, 0.0) + size * reach);
+      }
+    }
+    first += std::min(dot(direction, batch_.rides[0]), 0.0);
+    second += std::max(dot(direction, batch_.rides[1]), 0.0);
+    largest = std::max({largest, sum_of_sizes(batch_.rides[0]), sum_of_sizes(batch_.rides[1])});
+    return first - second > kApartRounding * sum_of_sizes(direction) * largest;
+  }
+
+  void keep(const CandidatePair& pair, const Nearest& nearest) {
+    Contact contact;
+    contact.vertices = pair.vertices;
+    contact.weights = nearest.weights;
+    contact.gap_mm = nearest.distance;
+    contact.normal = nearest.distance > 0.0 ? nearest.difference / nearest.distance
+                                            : normal_where_touching(points_of(pair), pair.edges);
+    contact.first_body = pair.first_body;
+    contact.second_body = pair.second_body;
+    contact.edges = pair.edges;
+    contacts_.push_back(contact);
+  }
+
+  std::span<const Vec3> positions_;
+  std::span<const ContactBody> bodies_;
+  std::vector<Contact>& contacts_;
+  std::array<CandidatePair, NearBatch::kLanes> pairs_;
+  std::size_t count_ = 0;
+  NearBatch batch_;
+};
 
 /// Two bodies, or one twice.
 struct BodyPair {
@@ -239,10 +167,14 @@ struct Detector::State {
     double reach_mm = 0.0;
     bool asleep = false;  ///< the bounds hold until it wakes up
     BodyBounds bounds;
+    bool has_own_bounds = false;
+    BodyBounds own_bounds;  ///< among its own parts, where they look around less than among others
+
+    const BodyBounds& bounds_within() const { return has_own_bounds ? own_bounds : bounds; }
   };
   /// What is reused from call to call, for the sake of its memory.
   struct Slot {
-    std::vector<PrimitivePair> pairs;
+    PrimitivePairs pairs;
     std::vector<Contact> contacts;
     std::vector<CandidatePair> candidates;
   };
@@ -256,8 +188,9 @@ struct Detector::State {
   void fit(std::span<const Vec3> from_mm, std::span<const Vec3> to_mm, std::span<const ContactBody> current);
   void pair_bodies(std::span<const ContactBody> current);
 
-  template <class Item, class Emit>
-  void collect(std::vector<Item> Slot::*items, std::vector<Item>& all, const Emit& emit);
+  CandidatePair candidate(BodyPair of, PrimitivePair pair) const;
+  template <class Item, class Take>
+  void collect(std::vector<Item> Slot::*items, std::vector<Item>& all, const Take& take);
 };
 
 /// Bounds for the bodies of this call; those of sleepers are taken over where they are known.
@@ -267,6 +200,8 @@ void Detector::State::fit(std::span<const Vec3> from_mm, std::span<const Vec3> t
     ANTHESIS_ASSERT(body.sheet < sheets.size() && body.reach_mm >= 0.0);
     const Sheet& sheet = sheets[body.sheet];
     ANTHESIS_ASSERT(body.vertex_reach_mm.empty() || (body.awake && body.vertex_reach_mm.size() == sheet.vertex_count));
+    ANTHESIS_ASSERT(body.vertex_way_mm.empty() || (body.awake && body.vertex_way_mm.size() == sheet.vertex_count));
+    ANTHESIS_ASSERT(body.within_less_mm >= 0.0 && (body.awake || body.ride_mm == Vec3{}));
     ANTHESIS_ASSERT(body.first_vertex + sheet.vertex_count <= from_mm.size() && from_mm.size() == to_mm.size());
     if (!hierarchies[body.sheet]) {
       hierarchies[body.sheet] = std::make_unique<const SheetHierarchy>(
@@ -298,8 +233,20 @@ void Detector::State::fit(std::span<const Vec3> from_mm, std::span<const Vec3> t
     const bool known =
         !now.awake && body.asleep && body.reach_mm == now.reach_mm && body.bounds.vertices.size() == count;
     if (!known) {
-      body.bounds.fit(hierarchy, from_mm.subspan(now.first_vertex, count), to_mm.subspan(now.first_vertex, count),
-                      now.reach_mm, now.vertex_reach_mm);
+      BodyBounds::Reaches reaches;
+      reaches.from_mm = from_mm.subspan(now.first_vertex, count);
+      reaches.to_mm = to_mm.subspan(now.first_vertex, count);
+      reaches.reach_mm = now.reach_mm;
+      reaches.vertex_reach_mm = now.vertex_reach_mm;
+      reaches.ride_mm = now.ride_mm;
+      reaches.vertex_way_mm = now.vertex_way_mm;
+      body.bounds.fit(hierarchy, reaches);
+      body.has_own_bounds = now.awake && now.within && (now.within_less_mm > 0.0 || now.ride_mm != Vec3{});
+      if (body.has_own_bounds) {
+        reaches.less_mm = now.within_less_mm;
+        reaches.ride_mm = {};
+        body.own_bounds.fit(hierarchy, reaches);
+      }
     }
     body.sheet = now.sheet;
     body.first_vertex = now.first_vertex;
@@ -381,9 +328,35 @@ void Detector::State::pair_bodies(std::span<const ContactBody> current) {
   std::sort(body_pairs.begin(), body_pairs.end());
 }
 
-/// All pairs of primitives whose bounds overlap, through `emit`, in order.
-template <class Item, class Emit>
-void Detector::State::collect(std::vector<Item> Slot::*items, std::vector<Item>& all, const Emit& emit) {
+CandidatePair Detector::State::candidate(BodyPair of, PrimitivePair pair) const {
+  const Body& first = bodies[of.first];
+  const Body& second = bodies[of.second];
+  CandidatePair candidate;
+  candidate.first_body = of.first;
+  candidate.second_body = of.second;
+  candidate.edges = pair.kind() == PrimitivePair::kEdges;
+  if (candidate.edges) {
+    const auto& one = hierarchies[first.sheet]->edges[pair.first()];
+    const auto& other = hierarchies[second.sheet]->edges[pair.second()];
+    candidate.vertices = {first.first_vertex + one[0], first.first_vertex + one[1], second.first_vertex + other[0],
+                          second.first_vertex + other[1]};
+    return candidate;
+  }
+  const bool of_first = pair.kind() == PrimitivePair::kVertexOfFirst;
+  const Body& target = of_first ? second : first;
+  const Triangle& triangle = sheets[target.sheet].triangles[of_first ? pair.second() : pair.first()];
+  candidate.vertices = {(of_first ? first : second).first_vertex + (of_first ? pair.first() : pair.second()),
+                        target.first_vertex + triangle[0], target.first_vertex + triangle[1],
+                        target.first_vertex + triangle[2]};
+  if (!of_first) {
+    std::swap(candidate.first_body, candidate.second_body);
+  }
+  return candidate;
+}
+
+/// All pairs of primitives whose bounds overlap, in order: `take` turns those of two bodies into items.
+template <class Item, class Take>
+void Detector::State::collect(std::vector<Item> Slot::*items, std::vector<Item>& all, const Take& take) {
   constexpr std::size_t kPairsOfASlot = 8;
   const std::size_t slot_count = (body_pairs.size() + kPairsOfASlot - 1) / kPairsOfASlot;
   if (slots.size() < slot_count) {
@@ -394,54 +367,34 @@ void Detector::State::collect(std::vector<Item> Slot::*items, std::vector<Item>&
     std::vector<Item>& out = slot.*items;
     out.clear();
     for (std::size_t k = s * kPairsOfASlot; k < std::min(body_pairs.size(), (s + 1) * kPairsOfASlot); ++k) {
-      const BodyPair bodies_of_pair = body_pairs[k];
-      const Body& first = bodies[bodies_of_pair.first];
-      const Body& second = bodies[bodies_of_pair.second];
-      const View first_view{hierarchies[first.sheet].get(), &first.bounds};
-      const View second_view{hierarchies[second.sheet].get(), &second.bounds};
+      const BodyPair pair = body_pairs[k];
+      const Body& first = bodies[pair.first];
+      const Body& second = bodies[pair.second];
+      const bool within = pair.first == pair.second;
+      const View first_view{hierarchies[first.sheet].get(), within ? &first.bounds_within() : &first.bounds};
+      const View second_view{hierarchies[second.sheet].get(), within ? &second.bounds_within() : &second.bounds};
       slot.pairs.clear();
-      PairTraversal traversal(first_view, second_view, slot.pairs);
-      if (bodies_of_pair.first == bodies_of_pair.second) {
-        traversal.one_body();
+      if (within) {
+        find_pairs_within(first_view, slot.pairs);
       } else {
-        traversal.two_bodies();
+        find_pairs_between(first_view, second_view, slot.pairs);
       }
-      std::sort(slot.pairs.begin(), slot.pairs.end());
-      for (const PrimitivePair& pair : slot.pairs) {
-        CandidatePair candidate;
-        candidate.first_body = bodies_of_pair.first;
-        candidate.second_body = bodies_of_pair.second;
-        candidate.edges = pair.kind() == PrimitivePair::kEdges;
-        if (candidate.edges) {
-          const auto& one = first_view.hierarchy->edges[pair.first()];
-          const auto& other = second_view.hierarchy->edges[pair.second()];
-          candidate.vertices = {first.first_vertex + one[0], first.first_vertex + one[1],
-                                second.first_vertex + other[0], second.first_vertex + other[1]};
-        } else {
-          const bool of_first = pair.kind() == PrimitivePair::kVertexOfFirst;
-          const Body& target = of_first ? second : first;
-          const Triangle& triangle = sheets[target.sheet].triangles[of_first ? pair.second() : pair.first()];
-          candidate.vertices = {(of_first ? first : second).first_vertex + (of_first ? pair.first() : pair.second()),
-                                target.first_vertex + triangle[0], target.first_vertex + triangle[1],
-                                target.first_vertex + triangle[2]};
-          if (!of_first) {
-            std::swap(candidate.first_body, candidate.second_body);
-          }
-        }
-        emit(candidate, out);
+      // Trees made from a sheet's own shape are the same whatever happened before: so is the order they are walked in.
+      if (sheets[first.sheet].shape_mm.empty() || sheets[second.sheet].shape_mm.empty()) {
+        slot.pairs.sort();
       }
+      take(pair, slot.pairs, out);
     }
   });
-  std::size_t total = 0;
+  std::vector<std::size_t> begin(slot_count + 1, 0);
   for (std::size_t s = 0; s < slot_count; ++s) {
-    total += (slots[s].*items).size();
+    begin[s + 1] = begin[s] + (slots[s].*items).size();
   }
-  all.clear();
-  all.reserve(total);
-  for (std::size_t s = 0; s < slot_count; ++s) {
+  all.resize(begin[slot_count]);
+  parallel_for(slot_count, [&](std::size_t s) {
     const std::vector<Item>& out = slots[s].*items;
-    all.insert(all.end(), out.begin(), out.end());
-  }
+    std::copy(out.begin(), out.end(), all.begin() + static_cast<std::ptrdiff_t>(begin[s]));
+  });
 }
 
 Detector::Detector(std::span<const Sheet> sheets) : state_(std::make_unique<State>()) {
@@ -456,35 +409,23 @@ void Detector::find_near(std::span<const Vec3> positions_mm, std::span<const Con
                          std::vector<Contact>& contacts) {
   state_->fit(positions_mm, positions_mm, bodies);
   state_->pair_bodies(bodies);
-  state_->collect(&State::Slot::contacts, contacts, [&](const CandidatePair& pair, std::vector<Contact>& out) {
-    const std::array<Vec3, 4> points = {positions_mm[pair.vertices[0]], positions_mm[pair.vertices[1]],
-                                        positions_mm[pair.vertices[2]], positions_mm[pair.vertices[3]]};
-    const auto reach = [&](int k) {
-      const ContactBody& body = bodies[k < (pair.edges ? 2 : 1) ? pair.first_body : pair.second_body];
-      return body.vertex_reach_mm.empty() ? body.reach_mm : body.vertex_reach_mm[pair.vertices[k] - body.first_vertex];
-    };
-    const double limit = pair.edges ? std::max(reach(0), reach(1)) + std::max(reach(2), reach(3))
-                                    : reach(0) + std::max({reach(1), reach(2), reach(3)});
-    const Nearest nearest = pair.edges ? nearest_edge_edge(points) : nearest_vertex_triangle(points);
-    if (nearest.distance > limit) {
-      // Not the distance found but what lies provably between the two decides: that one is wrong on the safe side.
-      const double at_least = pair.edges ? distance_at_least<2>(points, nearest.difference)
-                                         : distance_at_least<1>(points, nearest.difference);
-      if (at_least > limit) {
-        return;
-      }
-    }
-    Contact contact;
-    contact.vertices = pair.vertices;
-    contact.weights = nearest.weights;
-    contact.gap_mm = nearest.distance;
-    contact.normal =
-        nearest.distance > 0.0 ? nearest.difference / nearest.distance : normal_where_touching(points, pair.edges);
-    contact.first_body = pair.first_body;
-    contact.second_body = pair.second_body;
-    contact.edges = pair.edges;
-    out.push_back(contact);
-  });
+  state_->collect(&State::Slot::contacts, contacts,
+                  [&](BodyPair of, const PrimitivePairs& pairs, std::vector<Contact>& out) {
+                    NearPairs near(positions_mm, bodies, out);
+                    // Those of one kind and order of bodies side by side.
+                    for (const auto kind : {PrimitivePair::kVertexOfFirst, PrimitivePair::kVertexOfSecond}) {
+                      for (const PrimitivePair& pair : pairs.vertices) {
+                        if (pair.kind() == kind) {
+                          near.add(state_->candidate(of, pair));
+                        }
+                      }
+                      near.flush();
+                    }
+                    for (const PrimitivePair& pair : pairs.edges) {
+                      near.add(state_->candidate(of, pair));
+                    }
+                    near.flush();
+                  });
 }
 
 void Detector::find_on_course(std::span<const Vec3> from_mm, std::span<const Vec3> to_mm,
@@ -492,7 +433,13 @@ void Detector::find_on_course(std::span<const Vec3> from_mm, std::span<const Vec
   state_->fit(from_mm, to_mm, bodies);
   state_->pair_bodies(bodies);
   state_->collect(&State::Slot::candidates, pairs,
-                  [](const CandidatePair& pair, std::vector<CandidatePair>& out) { out.push_back(pair); });
+                  [&](BodyPair of, const PrimitivePairs& found, std::vector<CandidatePair>& out) {
+                    for (const std::vector<PrimitivePair>* list : {&found.vertices, &found.edges}) {
+                      for (const PrimitivePair& pair : *list) {
+                        out.push_back(state_->candidate(of, pair));
+                      }
+                    }
+                  });
 }
 
 }  // namespace anthesis

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <utility>
 
 #include "anthesis/base/assert.h"
@@ -16,7 +17,6 @@ namespace {
 
 constexpr int kMaxPieces = 400;          // of one step: beyond that, longer moves
 constexpr double kLongestRide_mm = 0.1;  // that what a body stands on may move in one pass
-constexpr int kSweepsPerLook = 8;        // contacts that do not press are looked at again after so many sweeps
 constexpr double kOverRelaxation = 1.3;  // of contacts: their corrections are averaged, which is slow
 constexpr double kWithinShare = 0.1;     // of its mean edge that parts of an organ keep between them at most
 constexpr double kCrowdedShare = 0.7;    // of the spacing: what is nearer to something that moves wakes
@@ -25,6 +25,7 @@ constexpr double kPressedShare = 0.3;    // of the spacing: a sleeper that somet
 constexpr double kSlackShare = 0.2;      // of the thickness that relaxation may move a vertex beyond its growth
 constexpr double kStillShare = 0.03;     // of its mean edge that an organ at rest moves at most
 constexpr double kRoomToMove = 1.05;     // relaxation may add to growth
+constexpr std::size_t kChunk = 2048;     // contacts that are looked at together
 constexpr double kSmallestScale = 1.0 / 1024.0;
 
 /// What a body does in a pass.
@@ -66,8 +67,7 @@ bool overlap(const Box& a, const Box& b) {
 struct GrowingSheets::State {
   std::vector<Sheet> sheets;
   GrowingOptions options;
-  Detector detector;                  ///< of contacts between bodies
-  Detector within_detector;           ///< of contacts within bodies, which need not look as far
+  Detector detector;
   std::vector<ElasticBatch> batches;  ///< by sheet
 
   std::vector<GrowingBody> bodies;
@@ -87,28 +87,45 @@ struct GrowingSheets::State {
   std::vector<Role> role;
   std::vector<Vec3> proposal;
   std::vector<ContactBody> scene;
-  std::vector<ContactBody> within_scene;
   std::vector<MovingBody> moving;
-  std::vector<Vec3> carried;         ///< by vertex: where growth alone would have taken it
-  std::vector<double> wanted;        ///< by vertex: how far it would have gone in the last pass
-  std::vector<double> reach;         ///< by vertex: how far it looks for others
-  std::vector<double> within_reach;  ///< and for parts of its own body
-  std::vector<Contact> within_contacts;
+  std::vector<Vec3> carried;           ///< by vertex: where growth alone would have taken it
+  std::vector<Vec3> way;               ///< by vertex: what growth wants of it beyond its ride
+  std::vector<double> wanted;          ///< by vertex: how far beside its way it would have gone in the last pass
+  std::vector<double> wanted_in_all;   ///< and how far beyond its ride
+  std::vector<double> reach;           ///< by vertex: how far it looks for others, besides its way and ride
+  std::vector<double> within_reach;    ///< and for parts of its own body
   std::vector<double> within_spacing;  ///< by body: what its own parts want to keep between them
   std::vector<Contact> contacts;
-  std::vector<double> spacing;         ///< that each contact wants to keep
-  std::vector<std::uint8_t> pressing;  ///< by contact
-  std::vector<std::uint32_t> active;   ///< contacts that press or soon may
-  std::vector<Vec3> push;              ///< by vertex: sum of what its contacts want
-  std::vector<std::uint32_t> pushes;   ///< by vertex: how many do; 0 between sweeps
-  std::vector<std::uint32_t> touched;  ///< vertices with pushes
-  std::vector<double> moved;           ///< by body: longest move of the pass beyond growth
-  std::vector<std::uint8_t> pressed;   ///< by body: asleep, and something wants to be where it is
-  std::vector<double> travelled;       ///< by body: longest move of the pass beyond its ride
+  std::vector<double> spacing;  ///< that each contact wants to keep
+  /// When a contact is to be looked at: once its bodies together have moved so far. Until then it cannot press.
+  struct Alarm {
+    double due_mm = 0.0;
+    std::uint32_t first_body = 0;
+    std::uint32_t second_body = 0;
+  };
+  std::vector<Alarm> alarms;     ///< by contact
+  std::vector<double> short_by;  ///< by contact: how much nearer the two are than they want to be, or 0
+  /// Contacts one after the other that are of the same bodies.
+  struct Run {
+    std::uint32_t begin = 0;
+    std::uint32_t end = 0;
+    std::uint32_t first_body = 0;
+    std::uint32_t second_body = 0;
+  };
+  std::vector<std::vector<Run>> runs;             ///< by chunk
+  std::vector<std::vector<Run>> runs_of;          ///< by body that is not fixed
+  std::vector<double> clock;                      ///< by body: how far its vertices have moved in this pass, at most
+  std::vector<Vec3> seen;                         ///< by vertex: where it was when the clock was set
+  std::vector<Vec3> push;                         ///< by vertex: sum of what its contacts want
+  std::vector<std::uint32_t> pushes;              ///< by vertex: how many do; 0 between sweeps
+  std::vector<double> moved;                      ///< by body: longest move of the pass beyond growth
+  std::vector<std::uint8_t> pressed;              ///< by body: asleep, and something wants to be where it is
+  std::vector<double> travelled;                  ///< by body: longest move of the pass beyond its ride
+  std::vector<std::vector<std::uint32_t>> woken;  ///< bodies, by chunk of contacts
   StepFilter filter;
 
   State(std::vector<Sheet> all, const GrowingOptions& chosen)
-      : sheets(std::move(all)), options(chosen), detector(sheets), within_detector(sheets), first{0} {
+      : sheets(std::move(all)), options(chosen), detector(sheets), first{0} {
     for (const Sheet& sheet : sheets) {
       batches.emplace_back(sheet);
     }
@@ -127,9 +144,12 @@ struct GrowingSheets::State {
   void carry();
   void find_contacts();
   void relax();
-  double missing(std::uint32_t contact) const;
+  double missing(std::size_t contact) const;
+  void set_alarms();
+  void advance_clocks();
   void look_for_pressure();
-  void push_apart();
+  void push_apart(std::uint32_t body);
+  void press(std::uint32_t contact, std::uint32_t body);
   double take_up();
 };
 
@@ -274,6 +294,7 @@ Expected<GrowthStep> GrowingSheets::advance(std::span<const Vec3> targets_mm, co
   }
   const std::vector<Vec3> begin = state.targets;
   state.next = state.targets;
+  state.wanted_in_all = state.wanted;  // a snapshot knows no more
   GrowthStep step;
   for (int round = 0; round < rounds; ++round) {
     if (!report(progress, "collisions", static_cast<double>(round) / (rounds + state.options.settling_passes))) {
@@ -325,10 +346,12 @@ void GrowingSheets::State::pass(GrowthStep& step) {
   parallel_for(bodies.size(), [&](std::size_t b) {
     const double most = options.piece * edge[b];
     for (std::size_t i = first[b]; i < first[b + 1]; ++i) {
-      wanted[i] = mobile(b) ? std::min(most, length(proposal[i] - positions[i] - ride[b])) : 0.0;
+      const Vec3 own = mobile(b) ? proposal[i] - positions[i] - ride[b] : Vec3{};
+      wanted[i] = std::min(most, length(beside_way(own, way[i])));
+      wanted_in_all[i] = std::min(most, length(own));
     }
   });
-  step.shortened += filter.apply(contacts, moving, reach, within_reach, positions, proposal);
+  step.shortened += filter.apply(contacts, moving, {way, reach, within_reach}, positions, proposal);
   step.residual_mm = take_up();
   step.contacts += contacts.size();
   ++step.passes;
@@ -340,11 +363,12 @@ void GrowingSheets::State::carry() {
   proposal = positions;
   role.resize(count);
   scene.resize(count);
-  within_scene.resize(count);
   moving.resize(count);
   within_spacing.resize(count);
   carried.resize(positions.size());
   wanted.resize(positions.size(), 0.0);
+  wanted_in_all.resize(positions.size(), 0.0);
+  way.resize(positions.size());
   reach.resize(positions.size());
   within_reach.resize(positions.size());
   parallel_for(count, [&](std::size_t b) {
@@ -361,12 +385,12 @@ void GrowingSheets::State::carry() {
     const double least_reach = 0.5 * bodies[b].thickness_mm + slack;
     const double least_within = bodies[b].fixed ? least_reach : 0.5 * within_spacing[b] + slack;
     const bool relaxes = role[b] == Role::kRelaxes;
-    scene[b] = {bodies[b].sheet, first[b], least_reach, {}, role[b] != Role::kRests, false, true};
-    // What only rides sleeps for this detector: no pairs are asked of it, and its bounds are made anew when it wakes.
-    within_scene[b] = {bodies[b].sheet, first[b], least_within, {}, relaxes, !bodies[b].fixed, false};
+    // The parts of what only rides keep their distances.
+    scene[b] = {bodies[b].sheet, first[b], least_reach, {}, role[b] != Role::kRests, relaxes && !bodies[b].fixed, true};
+    scene[b].ride_mm = ride[b];
+    scene[b].within_less_mm = least_reach - least_within;
     moving[b] = {first[b], first[b + 1], ride[b], relaxes};
-    if (role[b] == Role::kRests) {
-      std::fill(reach.begin() + first[b], reach.begin() + first[b + 1], least_reach);
+    if (!relaxes) {
       return;
     }
     for (std::size_t i = first[b]; i < first[b + 1]; ++i) {
@@ -376,15 +400,14 @@ void GrowingSheets::State::carry() {
         const double size = length(behind);
         proposal[i] += size > kLongestRide_mm ? std::max(0.5, kLongestRide_mm / size) * behind : behind;
       }
-      const double own =
-          relaxes ? kRoomToMove * std::max(wanted[i], length(proposal[i] - positions[i] - ride[b])) : 0.0;
-      within_reach[i] = least_within + own;
-      reach[i] = least_reach + own + length(ride[b]);
+      way[i] = proposal[i] - positions[i] - ride[b];
+      const double before = moves[b] ? wanted[i] : wanted_in_all[i];
+      const double beside = kRoomToMove * before + (kRoomToMove - 1.0) * length(way[i]);
+      within_reach[i] = least_within + beside;
+      reach[i] = least_reach + beside;
     }
     scene[b].vertex_reach_mm = of(b, reach);
-    if (relaxes) {
-      within_scene[b].vertex_reach_mm = of(b, within_reach);
-    }
+    scene[b].vertex_way_mm = of(b, way);
   });
 }
 
@@ -416,18 +439,32 @@ double GrowingSheets::State::take_up() {
   // A body wakes when it is crowded by one that moves or rides, and when one leaves that it leans on.
   const auto wakes = [&](std::uint32_t sleeper, std::uint32_t other, double nearness) {
     if (bodies[sleeper].fixed || awake[sleeper]) {
-      return;
+      return false;
     }
     const bool stirs = travelled[other] > still(other);
     const bool crowded = nearness < kCrowdedShare && (stirs || role[other] == Role::kRides);
-    awake[sleeper] = crowded || (nearness < kLeaningShare && stirs && bent[sleeper]);
+    return crowded || (nearness < kLeaningShare && stirs && bent[sleeper]);
   };
-  for (std::size_t c = 0; c < contacts.size(); ++c) {
-    const Contact& contact = contacts[c];
-    if (contact.first_body != contact.second_body && contact.gap_mm < kLeaningShare * spacing[c]) {
+  woken.resize((contacts.size() + kChunk - 1) / kChunk);
+  parallel_for(woken.size(), [&](std::size_t chunk) {
+    woken[chunk].clear();
+    for (std::size_t c = chunk * kChunk; c < std::min(contacts.size(), (chunk + 1) * kChunk); ++c) {
+      const Contact& contact = contacts[c];
       const double nearness = contact.gap_mm / spacing[c];
-      wakes(contact.first_body, contact.second_body, nearness);
-      wakes(contact.second_body, contact.first_body, nearness);
+      if (contact.first_body == contact.second_body || nearness >= kLeaningShare) {
+        continue;
+      }
+      if (wakes(contact.first_body, contact.second_body, nearness)) {
+        woken[chunk].push_back(contact.first_body);
+      }
+      if (wakes(contact.second_body, contact.first_body, nearness)) {
+        woken[chunk].push_back(contact.second_body);
+      }
+    }
+  });
+  for (const std::vector<std::uint32_t>& found : woken) {
+    for (const std::uint32_t b : found) {
+      awake[b] = 1;
     }
   }
   return longest;
@@ -435,10 +472,7 @@ double GrowingSheets::State::take_up() {
 
 void GrowingSheets::State::find_contacts() {
   detector.find_near(positions, scene, contacts);
-  within_detector.find_near(positions, within_scene, within_contacts);
-  contacts.insert(contacts.end(), within_contacts.begin(), within_contacts.end());
   spacing.resize(contacts.size());
-  constexpr std::size_t kChunk = 1024;
   parallel_for((contacts.size() + kChunk - 1) / kChunk, [&](std::size_t chunk) {
     for (std::size_t c = chunk * kChunk; c < std::min(contacts.size(), (chunk + 1) * kChunk); ++c) {
       const Contact& contact = contacts[c];
@@ -473,81 +507,131 @@ void GrowingSheets::State::relax() {
   pressed.assign(bodies.size(), 0);
   push.resize(positions.size());
   pushes.resize(positions.size(), 0);
+  set_alarms();
   for (int sweep = 0; sweep < options.sweeps; ++sweep) {
     for (ElasticBatch& batch : batches) {
       batch.load(proposal);
       batch.settle(1);
       batch.store(proposal);
     }
-    if (sweep % kSweepsPerLook == 0) {
-      look_for_pressure();
-    }
-    push_apart();
+    advance_clocks();
+    look_for_pressure();
+    parallel_for(bodies.size(), [&](std::size_t b) { push_apart(static_cast<std::uint32_t>(b)); });
   }
 }
 
 /// How much nearer than they want to be the two of a contact would be; negative if they are farther apart.
-double GrowingSheets::State::missing(std::uint32_t index) const {
+inline double GrowingSheets::State::missing(std::size_t index) const {
   const Contact& contact = contacts[index];
-  double apart = 0.0;
+  Vec3 apart{};
   for (int k = 0; k < 4; ++k) {
-    apart += contact.weights[k] * dot(contact.normal, proposal[contact.vertices[k]]);
+    apart += contact.weights[k] * proposal[contact.vertices[k]];
   }
-  return spacing[index] - apart;
+  return spacing[index] - dot(contact.normal, apart);
 }
 
-/// Chooses the contacts that push or soon may: the others cost as much to look at and do nothing.
-void GrowingSheets::State::look_for_pressure() {
-  pressing.resize(contacts.size());
-  constexpr std::size_t kChunk = 4096;
-  parallel_for((contacts.size() + kChunk - 1) / kChunk, [&](std::size_t chunk) {
+/// All contacts are to be looked at first of all, but for those between bodies that stay where they are.
+void GrowingSheets::State::set_alarms() {
+  alarms.resize(contacts.size());
+  short_by.resize(contacts.size());
+  runs.resize((contacts.size() + kChunk - 1) / kChunk);
+  parallel_for(runs.size(), [&](std::size_t chunk) {
+    runs[chunk].clear();
     for (std::size_t c = chunk * kChunk; c < std::min(contacts.size(), (chunk + 1) * kChunk); ++c) {
-      const bool matters = mobile(contacts[c].first_body) || mobile(contacts[c].second_body);
-      pressing[c] = matters && missing(static_cast<std::uint32_t>(c)) > -spacing[c];
+      const auto [low, high] = std::minmax(contacts[c].first_body, contacts[c].second_body);
+      const bool matters = mobile(low) || mobile(high);
+      alarms[c] = {matters ? 0.0 : std::numeric_limits<double>::infinity(), low, high};
+      short_by[c] = 0.0;
+      if (runs[chunk].empty() || runs[chunk].back().first_body != low || runs[chunk].back().second_body != high) {
+        runs[chunk].push_back({static_cast<std::uint32_t>(c), 0, low, high});
+      }
+      runs[chunk].back().end = static_cast<std::uint32_t>(c + 1);
     }
   });
-  active.clear();
-  for (std::uint32_t c = 0; c < contacts.size(); ++c) {
-    if (pressing[c]) {
-      active.push_back(c);
+  runs_of.resize(bodies.size());
+  for (std::vector<Run>& of_body : runs_of) {
+    of_body.clear();
+  }
+  for (const std::vector<Run>& of_chunk : runs) {
+    for (const Run& run : of_chunk) {
+      if (!bodies[run.first_body].fixed) {
+        runs_of[run.first_body].push_back(run);
+      }
+      if (run.first_body != run.second_body && !bodies[run.second_body].fixed) {
+        runs_of[run.second_body].push_back(run);
+      }
     }
   }
+  clock.assign(bodies.size(), 0.0);
+  seen = proposal;
+}
+
+void GrowingSheets::State::advance_clocks() {
+  parallel_for(bodies.size(), [&](std::size_t b) {
+    double farthest = 0.0;
+    for (std::size_t i = first[b]; mobile(b) && i < first[b + 1]; ++i) {
+      const Vec3 way_of_vertex = proposal[i] - seen[i];
+      farthest = std::max(farthest, dot(way_of_vertex, way_of_vertex));
+      seen[i] = proposal[i];
+    }
+    clock[b] += std::sqrt(farthest);
+  });
+}
+
+/// Which contacts press. A point of a primitive moves no farther than its corners: so a contact that lacks some way to
+/// pressing cannot press before its bodies have moved that far together.
+void GrowingSheets::State::look_for_pressure() {
+  parallel_for((contacts.size() + kChunk - 1) / kChunk, [&](std::size_t chunk) {
+    for (std::size_t c = chunk * kChunk; c < std::min(contacts.size(), (chunk + 1) * kChunk); ++c) {
+      const double now = clock[alarms[c].first_body] + clock[alarms[c].second_body];
+      if (now >= alarms[c].due_mm) {
+        const double lacking = missing(c);
+        short_by[c] = std::max(lacking, 0.0);
+        alarms[c].due_mm = now - std::min(lacking, 0.0);
+      }
+    }
+  });
 }
 
 /// Each contact that is too near moves its four vertices apart along its normal; where a vertex has several, it moves
 /// by their mean. Means do not depend on the order: what is symmetric stays so.
-void GrowingSheets::State::push_apart() {
-  touched.clear();
-  for (const std::uint32_t c : active) {
-    const Contact& contact = contacts[c];
-    const double short_by = missing(c);
-    if (short_by <= 0.0) {
-      continue;
-    }
-    const int firsts = contact.edges ? 2 : 1;
-    const std::array<bool, 2> gives_way = {mobile(contact.first_body), mobile(contact.second_body)};
-    if (short_by > kPressedShare * spacing[c]) {
-      pressed[contact.first_body] |= static_cast<std::uint8_t>(!gives_way[0] && !bodies[contact.first_body].fixed);
-      pressed[contact.second_body] |= static_cast<std::uint8_t>(!gives_way[1] && !bodies[contact.second_body].fixed);
-    }
-    double weight = 0.0;
-    for (int k = 0; k < 4; ++k) {
-      weight += gives_way[k < firsts ? 0 : 1] ? contact.weights[k] * contact.weights[k] : 0.0;
-    }
-    for (int k = 0; k < 4; ++k) {
-      const std::uint32_t vertex = contact.vertices[k];
-      if (gives_way[k < firsts ? 0 : 1] && contact.weights[k] != 0.0) {
-        if (pushes[vertex]++ == 0) {
-          push[vertex] = {};
-          touched.push_back(vertex);
-        }
-        push[vertex] += (short_by / weight * contact.weights[k]) * contact.normal;
+void GrowingSheets::State::push_apart(std::uint32_t body) {
+  const bool gives_way = mobile(body);
+  for (const Run& run : runs_of[body]) {
+    for (std::uint32_t c = run.begin; c < run.end; ++c) {
+      if (short_by[c] > 0.0 && gives_way) {
+        press(c, body);
+      } else if (short_by[c] > kPressedShare * spacing[c]) {
+        pressed[body] = 1;
       }
     }
   }
-  for (const std::uint32_t vertex : touched) {
-    proposal[vertex] += (kOverRelaxation / pushes[vertex]) * push[vertex];
-    pushes[vertex] = 0;
+  for (std::size_t i = first[body]; gives_way && i < first[body + 1]; ++i) {
+    if (pushes[i] > 0) {
+      proposal[i] += (kOverRelaxation / pushes[i]) * push[i];
+      pushes[i] = 0;
+    }
+  }
+}
+
+/// Adds what a contact wants of the vertices of a body.
+void GrowingSheets::State::press(std::uint32_t index, std::uint32_t body) {
+  const Contact& contact = contacts[index];
+  const int firsts = contact.edges ? 2 : 1;
+  const std::array<bool, 2> gives_way = {mobile(contact.first_body), mobile(contact.second_body)};
+  double weight = 0.0;
+  for (int k = 0; k < 4; ++k) {
+    weight += gives_way[k < firsts ? 0 : 1] ? contact.weights[k] * contact.weights[k] : 0.0;
+  }
+  for (int k = 0; k < 4; ++k) {
+    const std::uint32_t vertex = contact.vertices[k];
+    if (body != (k < firsts ? contact.first_body : contact.second_body) || contact.weights[k] == 0.0) {
+      continue;
+    }
+    if (pushes[vertex]++ == 0) {
+      push[vertex] = {};
+    }
+    push[vertex] += (short_by[index] / weight * contact.weights[k]) * contact.normal;
   }
 }
 
@@ -574,8 +658,7 @@ void GrowingSheets::restore(Snapshot snapshot) {
   state.awake = std::move(snapshot.awake);
   state.bent = std::move(snapshot.bent);
   state.wanted = std::move(snapshot.wanted_mm);
-  state.detector = Detector(state.sheets);  // they remember where sleeping bodies are
-  state.within_detector = Detector(state.sheets);
+  state.detector = Detector(state.sheets);  // it remembers where sleeping bodies are
   state.first = {0};
   for (const GrowingBody& body : state.bodies) {
     state.first.push_back(state.first.back() + static_cast<std::uint32_t>(state.sheets[body.sheet].vertex_count));

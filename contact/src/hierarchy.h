@@ -1,5 +1,6 @@
 #pragma once
 #include <algorithm>
+#include <array>
 #include <cstdint>
 #include <limits>
 #include <numeric>
@@ -79,11 +80,22 @@ struct SheetHierarchy {
   std::vector<std::array<std::uint32_t, 2>> neighbour_vertices;  ///< vertex, then facet
   std::vector<std::array<std::uint32_t, 2>> neighbour_edges;     ///< smaller first
 
+  /// The triangles of a leaf are a patch, nearly flat: their vertices, eight at a time, the last ones repeated.
+  struct Patch {
+    std::uint32_t first_block = 0;  ///< of `patch_vertices`
+    std::uint32_t end_block = 0;
+  };
+  static constexpr std::size_t kBlock = 8;
+  std::vector<std::uint32_t> patch_of_node;  ///< leaves only; empty if there are no patches
+  std::vector<Patch> patches;
+  std::vector<std::array<std::uint32_t, kBlock>> patch_vertices;
+
   /// `positions_mm`: those of one body.
   SheetHierarchy(const Sheet& sheet, std::span<const Vec3> positions_mm);
 
  private:
   void collect_neighbours(std::size_t vertex_count);
+  void collect_patches();
 };
 
 inline bool share_a_vertex(const Triangle& a, const Triangle& b) {
@@ -100,10 +112,38 @@ struct BodyBounds {
   std::vector<Slabs> facets;    ///< in the tree's order
   std::vector<Slabs> nodes;
 
-  /// `from_mm` and `to_mm`: where the vertices are at both ends of their motion.
-  /// `vertex_reach_mm` may be empty: all `reach_mm`.
-  void fit(const SheetHierarchy& hierarchy, std::span<const Vec3> from_mm, std::span<const Vec3> to_mm, double reach_mm,
-           std::span<const double> vertex_reach_mm);
+  /// Where a patch and what is within reach of it lies along its mean normal: between two planes that fit it better
+  /// than slabs do, since their direction is its own. In single precision, with all rounding allowed for.
+  struct Patch {
+    std::array<float, 3> normal = {};  ///< at most 1 long, or hardly more
+    float low = 0.0f;
+    float high = 0.0f;
+  };
+  /// Of eight vertices of a patch: places, ways and reaches.
+  struct alignas(32) Block {
+    std::array<std::array<float, SheetHierarchy::kBlock>, 3> place;
+    std::array<std::array<float, SheetHierarchy::kBlock>, 3> way;
+    std::array<float, SheetHierarchy::kBlock> reach;
+  };
+  std::vector<Patch> patches;  ///< as in the hierarchy; empty: none
+  std::vector<Block> blocks;
+  std::array<float, 3> ride = {};
+  float patch_slack = 0.0f;  ///< of the height of any of the vertices, for rounding
+
+  /// Where the vertices are at both ends of their motion, how far they look around, and what else they may do.
+  struct Reaches {
+    std::span<const Vec3> from_mm;
+    std::span<const Vec3> to_mm;
+    double reach_mm = 0.0;
+    std::span<const double> vertex_reach_mm;  ///< empty: all `reach_mm`
+    double less_mm = 0.0;                     ///< that each reaches less far
+    Vec3 ride_mm;
+    std::span<const Vec3> vertex_way_mm;  ///< empty: none
+  };
+  void fit(const SheetHierarchy& hierarchy, const Reaches& reaches);
+
+ private:
+  void fit_patches(const SheetHierarchy& hierarchy, const Reaches& reaches);
 };
 
 inline SheetHierarchy::SheetHierarchy(const Sheet& sheet, std::span<const Vec3> positions_mm) {
@@ -143,6 +183,38 @@ inline SheetHierarchy::SheetHierarchy(const Sheet& sheet, std::span<const Vec3> 
     facets.push_back(facet);
   }
   collect_neighbours(sheet.vertex_count);
+  // What patches part depends on how triangles are grouped: only if this does not depend on what happened before.
+  if (!sheet.shape_mm.empty()) {
+    collect_patches();
+  }
+}
+
+inline void SheetHierarchy::collect_patches() {
+  patch_of_node.assign(tree.nodes.size(), 0);
+  std::vector<std::uint32_t> corners;
+  for (std::size_t i = 0; i < tree.nodes.size(); ++i) {
+    const BinaryTree::Node& node = tree.nodes[i];
+    if (node.right != 0) {
+      continue;
+    }
+    corners.clear();
+    for (std::uint32_t k = node.begin; k < node.end; ++k) {
+      corners.insert(corners.end(), facets[k].corners.begin(), facets[k].corners.end());
+    }
+    std::sort(corners.begin(), corners.end());
+    corners.erase(std::unique(corners.begin(), corners.end()), corners.end());
+    corners.resize((corners.size() + kBlock - 1) / kBlock * kBlock, corners.back());
+    patch_of_node[i] = static_cast<std::uint32_t>(patches.size());
+    Patch patch;
+    patch.first_block = static_cast<std::uint32_t>(patch_vertices.size());
+    for (std::size_t k = 0; k < corners.size(); k += kBlock) {
+      std::array<std::uint32_t, kBlock> block;
+      std::copy_n(corners.begin() + static_cast<std::ptrdiff_t>(k), kBlock, block.begin());
+      patch_vertices.push_back(block);
+    }
+    patch.end_block = static_cast<std::uint32_t>(patch_vertices.size());
+    patches.push_back(patch);
+  }
 }
 
 inline void SheetHierarchy::collect_neighbours(std::size_t vertex_count) {
@@ -185,15 +257,24 @@ inline void SheetHierarchy::collect_neighbours(std::size_t vertex_count) {
   std::sort(neighbour_edges.begin(), neighbour_edges.end());
 }
 
-inline void BodyBounds::fit(const SheetHierarchy& hierarchy, std::span<const Vec3> from_mm, std::span<const Vec3> to_mm,
-                            double reach_mm, std::span<const double> vertex_reach_mm) {
-  const bool moves = from_mm.data() != to_mm.data();
-  vertices.resize(from_mm.size());
-  for (std::size_t i = 0; i < from_mm.size(); ++i) {
-    const double reach = vertex_reach_mm.empty() ? reach_mm : vertex_reach_mm[i];
-    vertices[i] = slabs_around(from_mm[i], reach);
+inline void BodyBounds::fit(const SheetHierarchy& hierarchy, const Reaches& reaches) {
+  const std::size_t count = reaches.from_mm.size();
+  const bool moves = reaches.from_mm.data() != reaches.to_mm.data();
+  const bool goes_on = reaches.ride_mm != Vec3{} || !reaches.vertex_way_mm.empty();
+  const Heights ride_heights = heights_of_way(reaches.ride_mm);
+  const double size_of_ride = sum_of_sizes(reaches.ride_mm);
+  vertices.resize(count);
+  for (std::size_t i = 0; i < count; ++i) {
+    const double all = reaches.vertex_reach_mm.empty() ? reaches.reach_mm : reaches.vertex_reach_mm[i];
+    const double reach = std::max(0.0, all - reaches.less_mm);
+    if (goes_on) {
+      const Vec3 way = reaches.vertex_way_mm.empty() ? Vec3{} : reaches.vertex_way_mm[i];
+      vertices[i] = slabs_around(reaches.from_mm[i], reach, way, ride_heights, size_of_ride);
+    } else {
+      vertices[i] = slabs_around(reaches.from_mm[i], reach);
+    }
     if (moves) {
-      vertices[i] = joined(vertices[i], slabs_around(to_mm[i], reach));
+      vertices[i] = joined(vertices[i], slabs_around(reaches.to_mm[i], reach));
     }
   }
   facets.resize(hierarchy.facets.size());
@@ -212,6 +293,77 @@ inline void BodyBounds::fit(const SheetHierarchy& hierarchy, std::span<const Vec
     for (std::uint32_t k = node.begin + 1; k < node.end; ++k) {
       nodes[i] = joined(nodes[i], facets[k]);
     }
+  }
+  fit_patches(hierarchy, reaches);
+}
+
+inline void BodyBounds::fit_patches(const SheetHierarchy& hierarchy, const Reaches& reaches) {
+  patches.resize(hierarchy.patches.size());
+  blocks.resize(hierarchy.patch_vertices.size());
+  if (patches.empty()) {
+    return;
+  }
+  const bool moves = reaches.from_mm.data() != reaches.to_mm.data();
+  const auto way_of = [&](std::uint32_t v) {
+    return moves                           ? reaches.to_mm[v] - reaches.from_mm[v]
+           : reaches.vertex_way_mm.empty() ? Vec3{}
+                                           : reaches.vertex_way_mm[v];
+  };
+  const auto reach_of = [&](std::uint32_t v) {
+    const double all = reaches.vertex_reach_mm.empty() ? reaches.reach_mm : reaches.vertex_reach_mm[v];
+    return std::max(0.0, all - reaches.less_mm);
+  };
+  double largest = 0.0;
+  for (std::size_t b = 0; b < blocks.size(); ++b) {
+    for (std::size_t lane = 0; lane < SheetHierarchy::kBlock; ++lane) {
+      const std::uint32_t vertex = hierarchy.patch_vertices[b][lane];
+      const Vec3 place = reaches.from_mm[vertex];
+      const Vec3 way = way_of(vertex);
+      const double reach = reach_of(vertex);
+      largest = std::max(largest, sum_of_sizes(place) + sum_of_sizes(way) + reach);
+      for (std::size_t axis = 0; axis < 3; ++axis) {
+        blocks[b].place[axis][lane] = static_cast<float>(axis == 0 ? place.x : axis == 1 ? place.y : place.z);
+        blocks[b].way[axis][lane] = static_cast<float>(axis == 0 ? way.x : axis == 1 ? way.y : way.z);
+      }
+      blocks[b].reach[lane] = static_cast<float>(reach);
+    }
+  }
+  ride = {static_cast<float>(reaches.ride_mm.x), static_cast<float>(reaches.ride_mm.y),
+          static_cast<float>(reaches.ride_mm.z)};
+  // A height takes some ten operations, each of which rounds by a unit of its size; and a normal is not quite 1 long.
+  patch_slack =
+      static_cast<float>(32.0 * std::numeric_limits<float>::epsilon() * (largest + sum_of_sizes(reaches.ride_mm)));
+  for (std::size_t i = 0; i < hierarchy.tree.nodes.size(); ++i) {
+    const BinaryTree::Node& node = hierarchy.tree.nodes[i];
+    if (node.right != 0) {
+      continue;
+    }
+    Vec3 sum{};
+    for (std::uint32_t k = node.begin; k < node.end; ++k) {
+      const Triangle& t = hierarchy.facets[k].corners;
+      sum += cross(reaches.from_mm[t[1]] - reaches.from_mm[t[0]], reaches.from_mm[t[2]] - reaches.from_mm[t[0]]);
+    }
+    const Vec3 normal = normalized(sum);
+    Patch& patch = patches[hierarchy.patch_of_node[i]];
+    patch.normal = {static_cast<float>(normal.x), static_cast<float>(normal.y), static_cast<float>(normal.z)};
+    const auto height = [&](float x, float y, float z) {
+      return patch.normal[0] * x + patch.normal[1] * y + patch.normal[2] * z;
+    };
+    patch.low = std::numeric_limits<float>::max();
+    patch.high = -patch.low;
+    const SheetHierarchy::Patch& held = hierarchy.patches[hierarchy.patch_of_node[i]];
+    for (std::uint32_t b = held.first_block; b < held.end_block; ++b) {
+      const Block& block = blocks[b];
+      for (std::size_t lane = 0; lane < SheetHierarchy::kBlock; ++lane) {
+        const float here = height(block.place[0][lane], block.place[1][lane], block.place[2][lane]);
+        const float further = height(block.way[0][lane], block.way[1][lane], block.way[2][lane]);
+        patch.low = std::min(patch.low, here + std::min(further, 0.0f) - block.reach[lane]);
+        patch.high = std::max(patch.high, here + std::max(further, 0.0f) + block.reach[lane]);
+      }
+    }
+    const float carried = height(ride[0], ride[1], ride[2]);
+    patch.low += std::min(carried, 0.0f) - patch_slack;
+    patch.high += std::max(carried, 0.0f) + patch_slack;
   }
 }
 

@@ -11,6 +11,10 @@ namespace anthesis {
 /// Rounding of one operation, relative: half the distance from 1 to the next double.
 inline constexpr double kUnitRoundoff = 0.5 * std::numeric_limits<double>::epsilon();
 
+inline double sum_of_sizes(Vec3 v) {
+  return std::abs(v.x) + std::abs(v.y) + std::abs(v.z);
+}
+
 /// How many of the four points belong to the first primitive: 1 for vertex and triangle, 2 for two edges.
 template <int FirstCount>
 double width_along(const std::array<Vec3, 4>& points, Vec3 direction) {

@@ -1,10 +1,11 @@
 #pragma once
+#include <algorithm>
 #include <array>
-#include <cmath>
 #include <cstdint>
 #include <limits>
 
 #include "anthesis/geometry/vec.h"
+#include "nearest.h"
 
 namespace anthesis {
 
@@ -29,11 +30,29 @@ inline Four four_of(const Slabs& slabs, int first) {
   return *reinterpret_cast<const Four*>(&slabs.highest[first]);
 }
 
+/// How far out along the directions and the opposite ways.
+using Heights = std::array<double, 16>;
+
+/// How far any share of `way`, from 0 to 1, reaches.
+inline Heights heights_of_way(Vec3 way) {
+  Heights heights;
+  for (int k = 0; k < 8; ++k) {
+    const double height = kSlabDirections[0][k] * way.x + kSlabDirections[1][k] * way.y + kSlabDirections[2][k] * way.z;
+    heights[k] = std::max(height, 0.0);
+    heights[8 + k] = std::max(-height, 0.0);
+  }
+  return heights;
+}
+
+/// What of rounding is added to the bounds of something of this size. Products and sums round by at most 3 units of
+/// each part, sums of parts and the directions' length by four more.
+inline double slab_slack(double size) {
+  return 5.0 * std::numeric_limits<double>::epsilon() * size;
+}
+
 /// The bounds of all points within `reach` of `point`.
 inline Slabs slabs_around(Vec3 point, double reach) {
-  // Products and sums round by at most 3 units each, the directions' length by one more.
-  const double slack = reach + 4.0 * std::numeric_limits<double>::epsilon() *
-                                   (std::abs(point.x) + std::abs(point.y) + std::abs(point.z) + reach);
+  const double slack = reach + slab_slack(sum_of_sizes(point) + reach);
   Slabs slabs;
   // Rounding to single precision keeps the order of numbers, and so cannot part what was not apart.
   for (int k = 0; k < 8; ++k) {
@@ -41,6 +60,21 @@ inline Slabs slabs_around(Vec3 point, double reach) {
         kSlabDirections[0][k] * point.x + kSlabDirections[1][k] * point.y + kSlabDirections[2][k] * point.z;
     slabs.highest[k] = static_cast<float>(slack + height);
     slabs.highest[8 + k] = static_cast<float>(slack - height);
+  }
+  return slabs;
+}
+
+/// The same of all places that `point` gets to by a share of `way` and a share of what has the heights `ride`.
+inline Slabs slabs_around(Vec3 point, double reach, Vec3 way, const Heights& ride, double size_of_ride) {
+  const double slack = reach + slab_slack(sum_of_sizes(point) + sum_of_sizes(way) + size_of_ride + reach);
+  Slabs slabs;
+  for (int k = 0; k < 8; ++k) {
+    const double height =
+        kSlabDirections[0][k] * point.x + kSlabDirections[1][k] * point.y + kSlabDirections[2][k] * point.z;
+    const double further =
+        kSlabDirections[0][k] * way.x + kSlabDirections[1][k] * way.y + kSlabDirections[2][k] * way.z;
+    slabs.highest[k] = static_cast<float>((slack + height) + (ride[k] + std::max(further, 0.0)));
+    slabs.highest[8 + k] = static_cast<float>((slack - height) + (ride[8 + k] + std::max(-further, 0.0)));
   }
   return slabs;
 }

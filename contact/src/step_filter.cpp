@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <limits>
+#include <numeric>
 #include <utility>
 
 #include "anthesis/base/parallel.h"
@@ -34,23 +35,28 @@ bool StepFilter::Shares::cut(std::uint32_t index, double to) {
   return true;
 }
 
-/// What each vertex does beyond its body's ride, no farther than it looked around.
-void StepFilter::split(std::span<const MovingBody> bodies, std::span<const double> reach,
-                       std::span<const double> within_reach, std::span<const Vec3> from, std::span<const Vec3> to) {
+Vec3 beside_way(Vec3 move, Vec3 way) {
+  const double square = dot(way, way);
+  return square > 0.0 ? move - std::clamp(dot(move, way) / square, 0.0, 1.0) * way : move;
+}
+
+/// What each vertex does beyond its body's ride, no farther beside its way than it looked around.
+void StepFilter::split(std::span<const MovingBody> bodies, const Lookout& lookout, std::span<const Vec3> from,
+                       std::span<const Vec3> to) {
   own_.resize(from.size());
   parallel_for(bodies.size(), [&](std::size_t b) {
     const MovingBody& body = bodies[b];
-    const double ride = length(body.ride_mm);
     for (std::size_t i = body.first_vertex; i < body.end_vertex; ++i) {
       if (!body.relaxes) {
         own_[i] = {};
         continue;
       }
       own_[i] = to[i] - from[i] - body.ride_mm;
-      const double most = std::max(0.0, std::min(within_reach[i], reach[i] - ride) - kHalfGap_mm);
-      const double size = length(own_[i]);
+      const Vec3 beside = beside_way(own_[i], lookout.way_mm.empty() ? Vec3{} : lookout.way_mm[i]);
+      const double most = std::max(0.0, std::min(lookout.within_reach_mm[i], lookout.reach_mm[i]) - kHalfGap_mm);
+      const double size = length(beside);
       if (size > most) {
-        own_[i] = (most / size) * own_[i];
+        own_[i] = (own_[i] - beside) + (most / size) * beside;
       }
     }
   });
@@ -125,9 +131,8 @@ bool StepFilter::hold(const Contact& contact, const Along& line) {
 }
 
 std::uint64_t StepFilter::apply(std::span<const Contact> contacts, std::span<const MovingBody> bodies,
-                                std::span<const double> reach, std::span<const double> within_reach,
-                                std::span<const Vec3> from, std::span<Vec3> to) {
-  split(bodies, reach, within_reach, from, to);
+                                const Lookout& lookout, std::span<const Vec3> from, std::span<Vec3> to) {
+  split(bodies, lookout, from, to);
   own_shares_.reset(from.size());
   ride_shares_.reset(bodies.size());
   held_.assign(contacts.size(), 0);
@@ -161,16 +166,15 @@ std::uint64_t StepFilter::apply(std::span<const Contact> contacts, std::span<con
       std::fill(shares->changes.begin(), shares->changes.end(), std::uint8_t{0});
     }
   }
-  std::uint64_t shortened = 0;
-  for (std::size_t b = 0; b < bodies.size(); ++b) {
+  shortened_.assign(bodies.size(), 0);
+  parallel_for(bodies.size(), [&](std::size_t b) {
     const MovingBody& body = bodies[b];
     for (std::size_t i = body.first_vertex; i < body.end_vertex; ++i) {
-      const bool cut = own_shares_.share[i] < 1.0 || ride_shares_.share[b] < 1.0;
-      shortened += cut ? 1 : 0;
+      shortened_[b] += own_shares_.share[i] < 1.0 || ride_shares_.share[b] < 1.0 ? 1 : 0;
       to[i] = from[i] + (ride_shares_.share[b] * body.ride_mm + own_shares_.share[i] * own_[i]);
     }
-  }
-  return shortened;
+  });
+  return std::accumulate(shortened_.begin(), shortened_.end(), std::uint64_t{0});
 }
 
 }  // namespace anthesis

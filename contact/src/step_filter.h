@@ -17,18 +17,26 @@ struct MovingBody {
   bool relaxes = true;  ///< or it does nothing beyond its ride
 };
 
+/// What of `move` no share of `way`, from 0 to 1, comes nearer to.
+Vec3 beside_way(Vec3 move, Vec3 way);
+
 /// Cuts moves short so that nothing crosses: docs/contact.md has the proof.
 ///
 /// A vertex moves by its body's ride and by its own move beyond that. Either is cut, each by its own share: the parts
 /// of one organ ride together, so a ride is no danger among them.
 class StepFilter {
  public:
-  /// `contacts`: at `from_mm`, which is crossing-free, all pairs of different bodies that see each other when each
-  /// vertex looks as far around as `reach_mm` says, and all pairs within bodies by `within_reach_mm`. A reach is at
-  /// least the body's ride and half the least gap. `bodies` in the order of the contacts' indices. Shortens the moves
-  /// from `from_mm` to `to_mm`; returns the number of vertices whose move was cut.
-  std::uint64_t apply(std::span<const Contact> contacts, std::span<const MovingBody> bodies,
-                      std::span<const double> reach_mm, std::span<const double> within_reach_mm,
+  /// What each vertex looked around for: any share of its body's ride and of its own way, and so far beside that.
+  struct Lookout {
+    std::span<const Vec3> way_mm;  ///< empty: none
+    std::span<const double> reach_mm;
+    std::span<const double> within_reach_mm;  ///< for parts of its own body, without the ride
+  };
+
+  /// `contacts`: at `from_mm`, which is crossing-free, all pairs that see each other by `lookout`. A reach is at least
+  /// half the least gap. `bodies` in the order of the contacts' indices. Shortens the moves from `from_mm` to `to_mm`;
+  /// returns the number of vertices whose move was cut.
+  std::uint64_t apply(std::span<const Contact> contacts, std::span<const MovingBody> bodies, const Lookout& lookout,
                       std::span<const Vec3> from_mm, std::span<Vec3> to_mm);
 
  private:
@@ -41,8 +49,8 @@ class StepFilter {
     bool cut(std::uint32_t index, double to);
   };
 
-  void split(std::span<const MovingBody> bodies, std::span<const double> reach_mm,
-             std::span<const double> within_reach_mm, std::span<const Vec3> from_mm, std::span<const Vec3> to_mm);
+  void split(std::span<const MovingBody> bodies, const Lookout& lookout, std::span<const Vec3> from_mm,
+             std::span<const Vec3> to_mm);
 
   /// A contact along its normal, from the second towards the first.
   struct Along {
@@ -61,6 +69,7 @@ class StepFilter {
   Shares ride_shares_;                               ///< by body
   std::vector<std::uint8_t> held_;                   ///< contacts whose plane stands still
   std::vector<std::vector<std::uint32_t>> meeting_;  ///< contacts of a round, by chunk
+  std::vector<std::uint64_t> shortened_;             ///< by body: vertices whose move was cut
 };
 
 }  // namespace anthesis

@@ -1,6 +1,7 @@
 #include "anthesis/contact/detector.h"
 
 #include <gmock/gmock.h>
+#include <hwy/targets.h>
 
 #include <algorithm>
 #include <map>
@@ -10,6 +11,7 @@
 #include "anthesis/base/parallel.h"
 #include "anthesis/base/random.h"
 #include "anthesis/contact/continuous.h"
+#include "sheets.h"
 
 namespace anthesis {
 namespace {
@@ -22,30 +24,28 @@ struct Scene {
   std::vector<Vec3> to_mm;
 };
 
-/// A patch of columns x rows vertices.
-Sheet grid(std::uint32_t columns, std::uint32_t rows) {
-  std::vector<Triangle> triangles;
-  for (std::uint32_t r = 0; r + 1 < rows; ++r) {
-    for (std::uint32_t c = 0; c + 1 < columns; ++c) {
-      const std::uint32_t i = r * columns + c;
-      triangles.push_back({i, i + 1, i + columns + 1});
-      triangles.push_back({i, i + columns + 1, i + columns});
-    }
-  }
-  return make_sheet(columns * rows, triangles);
-}
-
 Vec3 random_vector(Rng& rng, double size) {
   return {rng.uniform(-size, size), rng.uniform(-size, size), rng.uniform(-size, size)};
 }
 
+/// Where a vertex is before anything moves it.
+Vec3 flat_place(std::size_t vertex) {
+  return {0.5 * static_cast<double>(vertex % 4), 0.5 * static_cast<double>(vertex / 4), 0.0};
+}
+
 /// Patches and loose triangles in a cube, crumpled, turned and moving; a third of them asleep, some deaf to themselves.
+/// With odd seeds sheets have a shape of their own, by which a detector groups their triangles.
 Scene random_scene(std::uint64_t seed, std::uint32_t body_count, double side_mm) {
   Rng rng(seed, 0, RandomPurpose::kTest);
   Scene scene;
-  scene.sheets = {grid(4, 5), grid(6, 3), make_sheet(3, std::vector<Triangle>{{0, 1, 2}}),
+  scene.sheets = {grid_sheet(4, 5), grid_sheet(6, 3), make_sheet(3, std::vector<Triangle>{{0, 1, 2}}),
                   // a fan in which an edge has three triangles, and a vertex that no triangle uses
                   make_sheet(6, std::vector<Triangle>{{0, 1, 2}, {1, 0, 3}, {0, 1, 4}}), Sheet{}};
+  for (Sheet& sheet : scene.sheets) {
+    for (std::size_t i = 0; seed % 2 == 1 && i < sheet.vertex_count; ++i) {
+      sheet.shape_mm.push_back(flat_place(i));
+    }
+  }
   for (std::uint32_t b = 0; b < body_count; ++b) {
     ContactBody body;
     body.sheet = rng.bits() % static_cast<std::uint32_t>(scene.sheets.size());
@@ -58,8 +58,7 @@ Scene random_scene(std::uint64_t seed, std::uint32_t body_count, double side_mm)
     const Quaternion turn = rotation_about(normalized(random_vector(rng, 1.0)), rng.uniform(0.0, 3.0));
     const std::size_t vertex_count = scene.sheets[body.sheet].vertex_count;
     for (std::size_t i = 0; i < vertex_count; ++i) {
-      const Vec3 flat{0.5 * static_cast<double>(i % 4), 0.5 * static_cast<double>(i / 4), 0.0};
-      scene.from_mm.push_back(centre + rotate(turn, flat + random_vector(rng, 0.15)));
+      scene.from_mm.push_back(centre + rotate(turn, flat_place(i) + random_vector(rng, 0.15)));
       scene.to_mm.push_back(scene.from_mm.back() + way + (body.awake ? random_vector(rng, 0.1) : Vec3{}));
     }
     scene.bodies.push_back(body);
@@ -289,8 +288,9 @@ TEST(FindNear, OrderIsThatOfTheBodiesAndTheirSheets) {
 }
 
 TEST(FindNear, KeepsItsPromiseFarFromTheOriginAndAtAnySize) {
-  for (const double scale : {1e-6, 1.0, 1e6}) {
-    Scene scene = random_scene(104, 12, 1.0);
+  for (const auto& [seed, scale] :
+       {std::pair(104, 1e-6), {104, 1.0}, {104, 1e6}, {107, 1e-6}, {107, 1.0}, {107, 1e6}}) {
+    Scene scene = random_scene(static_cast<std::uint64_t>(seed), 12, 1.0);
     for (Vec3& p : scene.from_mm) {
       p = scale * (p + Vec3{1000.0, -2000.0, 500.0});
     }
@@ -361,6 +361,124 @@ TEST(FindNear, EachVertexLooksAsFarAsItIsTold) {
   EXPECT_GE(contacts_at(0.51), 3u);  // the small one's corners at least
 }
 
+TEST(FindNear, FindsWhatMayComeNearBySharesOfRidesAndWays) {
+  std::size_t wanted = 0;
+  std::size_t total = 0;
+  for (std::uint64_t seed = 400; seed < 420; ++seed) {
+    Scene scene = random_scene(seed, 10, 1.5);
+    Rng rng(seed, 1, RandomPurpose::kTest);
+    std::vector<Vec3> ways(scene.from_mm.size());
+    for (ContactBody& body : scene.bodies) {
+      if (!body.awake) {
+        continue;
+      }
+      body.ride_mm = rng.bits() % 3 == 0 ? Vec3{} : random_vector(rng, 0.3);
+      body.within_less_mm = rng.bits() % 2 == 0 ? 0.0 : 0.6 * body.reach_mm;
+      for (std::size_t i = 0; i < scene.sheets[body.sheet].vertex_count; ++i) {
+        ways[body.first_vertex + i] = random_vector(rng, 0.25);
+      }
+      body.vertex_way_mm = std::span(ways).subspan(body.first_vertex, scene.sheets[body.sheet].vertex_count);
+    }
+    Detector detector(scene.sheets);
+    std::vector<Contact> contacts;
+    detector.find_near(scene.from_mm, scene.bodies, contacts);
+    total += contacts.size();
+    std::set<Key> found;
+    for (const Contact& contact : contacts) {
+      EXPECT_TRUE(found.insert(key_of(contact.edges, contact.vertices)).second) << "a pair twice";
+    }
+    // Each vertex at the end of its way, or not, or somewhere on it; each body likewise on its ride.
+    const auto share = [&] { return std::clamp(rng.uniform(-0.5, 1.5), 0.0, 1.0); };
+    for (int sample = 0; sample < 10; ++sample) {
+      std::vector<Vec3> places = scene.from_mm;
+      for (const ContactBody& body : scene.bodies) {
+        const double ridden = share();
+        for (std::size_t i = 0; body.awake && i < scene.sheets[body.sheet].vertex_count; ++i) {
+          const std::size_t vertex = body.first_vertex + i;
+          places[vertex] += ridden * body.ride_mm + share() * ways[vertex];
+        }
+      }
+      for_all_pairs(scene, [&](bool edges, const std::array<std::uint32_t, 4>& v, std::uint32_t a, std::uint32_t b) {
+        const std::array<Vec3, 4> points = points_of(places, v);
+        const double distance = (edges ? nearest_edge_edge(points) : nearest_vertex_triangle(points)).distance;
+        const double less = a == b ? 2.0 * scene.bodies[a].within_less_mm : 0.0;
+        if (distance <= scene.bodies[a].reach_mm + scene.bodies[b].reach_mm - less) {
+          EXPECT_TRUE(found.count(key_of(edges, v)) == 1) << "missed at distance " << distance;
+          ++wanted;
+        }
+      });
+    }
+  }
+  EXPECT_GT(wanted, 20'000u);
+  EXPECT_LT(total, wanted);  // it does not simply find everything
+}
+
+TEST(FindNear, FarFromTheOriginNothingJustWithinReachIsLost) {
+  // Two triangles, one above the other by hardly less than both reach, where single precision cannot tell.
+  Sheet sheet = make_sheet(3, std::vector<Triangle>{{0, 1, 2}});
+  sheet.shape_mm = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}};
+  Rng rng(8, 0, RandomPurpose::kTest);
+  for (int i = 0; i < 300; ++i) {
+    const Quaternion turn = rotation_about(normalized(random_vector(rng, 1.0)), rng.uniform(0.0, 3.0));
+    const Vec3 centre = random_vector(rng, 1000.0);
+    std::vector<Vec3> positions_mm;
+    for (const double height : {0.0, 0.1 - 1e-9}) {
+      for (const Vec3 p : sheet.shape_mm) {
+        positions_mm.push_back(centre + rotate(turn, p + Vec3{0, 0, height}));
+      }
+    }
+    const std::vector<ContactBody> bodies = {{.first_vertex = 0, .reach_mm = 0.05},
+                                             {.first_vertex = 3, .reach_mm = 0.05}};
+    std::vector<Contact> contacts;
+    Detector(std::span(&sheet, 1)).find_near(positions_mm, bodies, contacts);
+    EXPECT_GE(contacts.size(), 6u);  // each corner and the triangle opposite
+  }
+}
+
+TEST(FindNear, WhatSlidesPastSeesNoMoreThanAtRest) {
+  // Two triangles a tenth apart that slide along each other by ten times that see each other no more than at rest.
+  const std::vector<Sheet> sheets = {make_sheet(3, std::vector<Triangle>{{0, 1, 2}})};
+  const std::vector<Vec3> positions_mm = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, 0.1}, {1, 0, 0.1}, {0, 1, 0.1}};
+  const auto contacts_by = [&](Vec3 way, double reach_mm) {
+    const std::vector<Vec3> ways_mm(3, way);
+    const ContactBody slides{.reach_mm = reach_mm, .vertex_way_mm = ways_mm};
+    const std::vector<ContactBody> bodies = {slides, {.first_vertex = 3, .reach_mm = reach_mm}};
+    std::vector<Contact> contacts;
+    Detector(sheets).find_near(positions_mm, bodies, contacts);
+    return contacts.size();
+  };
+  EXPECT_EQ(contacts_by({1, 0, 0}, 0.049), 0u);
+  EXPECT_GT(contacts_by({1, 0, 0}, 0.051), 0u);
+  EXPECT_GT(contacts_by({1, 0, 0.1}, 0.001), 0u);
+  EXPECT_EQ(contacts_by({1, 0, -9}, 0.049), 0u);
+}
+
+TEST(FindNear, GivesTheSameBitsForEveryInstructionSet) {
+  const Scene scene = random_scene(401, 60, 2.0);
+  const auto found = [&] {
+    std::vector<Contact> contacts;
+    Detector(scene.sheets).find_near(scene.from_mm, scene.bodies, contacts);
+    return contacts;
+  };
+  const std::vector<Contact> widest = found();
+  EXPECT_GT(widest.size(), 1000u);
+  for (std::int64_t left = hwy::SupportedTargets() & HWY_TARGETS; left != 0; left &= left - 1) {
+    const std::int64_t target = left & -left;
+    hwy::SetSupportedTargetsForTest(target);
+    hwy::GetChosenTarget().Update(hwy::SupportedTargets());
+    const std::vector<Contact> now = found();
+    ASSERT_EQ(now.size(), widest.size()) << hwy::TargetName(target);
+    for (std::size_t i = 0; i < now.size(); ++i) {
+      EXPECT_EQ(now[i].vertices, widest[i].vertices) << hwy::TargetName(target);
+      EXPECT_EQ(now[i].weights, widest[i].weights);
+      EXPECT_EQ(now[i].gap_mm, widest[i].gap_mm);
+      EXPECT_EQ(now[i].normal, widest[i].normal);
+    }
+  }
+  hwy::SetSupportedTargetsForTest(0);
+  hwy::GetChosenTarget().Update(hwy::SupportedTargets());
+}
+
 TEST(FindNear, BodiesThatAreNotAmongOthersSeeOnlyThemselves) {
   Scene scene = random_scene(105, 12, 1.0);
   for (ContactBody& body : scene.bodies) {
@@ -375,7 +493,7 @@ TEST(FindNear, BodiesThatAreNotAmongOthersSeeOnlyThemselves) {
 }
 
 TEST(FindNear, NothingComesOfNothing) {
-  const std::vector<Sheet> sheets = {Sheet{}, grid(2, 2)};
+  const std::vector<Sheet> sheets = {Sheet{}, grid_sheet(2, 2)};
   Detector detector(sheets);
   std::vector<Contact> contacts(3);
   detector.find_near({}, {}, contacts);

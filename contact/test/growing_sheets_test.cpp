@@ -8,6 +8,7 @@
 #include "anthesis/base/math.h"
 #include "anthesis/base/parallel.h"
 #include "anthesis/contact/detector.h"
+#include "sheets.h"
 
 namespace anthesis {
 namespace {
@@ -18,21 +19,9 @@ constexpr double kWidth_mm = 1.6;
 constexpr double kLength_mm = 3.2;
 constexpr double kThickness_mm = 0.1;
 
-Sheet grid(std::uint32_t columns, std::uint32_t rows) {
-  std::vector<Triangle> triangles;
-  for (std::uint32_t r = 0; r + 1 < rows; ++r) {
-    for (std::uint32_t c = 0; c + 1 < columns; ++c) {
-      const std::uint32_t i = r * columns + c;
-      triangles.push_back({i, i + 1, i + columns + 1});
-      triangles.push_back({i, i + columns + 1, i + columns});
-    }
-  }
-  return make_sheet(columns * rows, triangles);
-}
-
 /// A petal whose two lowest rows are attached.
 Sheet petal_sheet() {
-  Sheet sheet = grid(kColumns, kRows);
+  Sheet sheet = grid_sheet(kColumns, kRows);
   for (std::uint32_t v = 0; v < 2 * kColumns; ++v) {
     sheet.attached.push_back(v);
     sheet.attachment_stiffness.push_back(0.5);
@@ -181,7 +170,7 @@ Strain strain_of(const Sheet& sheet, std::span<const Vec3> places, std::span<con
 TEST(GrowingSheets, APetalGivesWayToAPlateAndComesBackWhenItLeaves) {
   // The plate stands upright beside the petal's upper half.
   const auto plate = [](double y) { return Places{{-3, y, 1.9}, {3, y, 1.9}, {-3, y, 6}, {3, y, 6}}; };
-  GrowingSheets sheets({petal_sheet(), grid(2, 2)}, {.sweeps = 100, .settling_passes = 300, .residual_mm = 1e-9});
+  GrowingSheets sheets({petal_sheet(), grid_sheet(2, 2)}, {.sweeps = 100, .settling_passes = 300, .residual_mm = 1e-9});
   const Places upright = petal({}, 0.0);
   ASSERT_EQ(sheets.enter({1, kThickness_mm, true}, plate(-0.5), {}).scale, 1.0);
   ASSERT_EQ(sheets.enter({0, kThickness_mm}, upright, {}).scale, 1.0);
@@ -325,7 +314,7 @@ TEST(GrowingSheets, AnAttachedOrganThatIsPushedOffKeepsItsBase) {
 }
 
 TEST(GrowingSheets, AFixedBodyIsNotPushed) {
-  GrowingSheets sheets({petal_sheet(), grid(2, 2)}, {});
+  GrowingSheets sheets({petal_sheet(), grid_sheet(2, 2)}, {});
   const Places wall = {{-3, 0.5, 0.4}, {3, 0.5, 0.4}, {-3, 0.5, 6}, {3, 0.5, 6}};
   ASSERT_EQ(sheets.enter({1, kThickness_mm, true}, wall, {}).scale, 1.0);
   ASSERT_EQ(sheets.enter({0, kThickness_mm}, petal({}, 0.0), {}).scale, 1.0);
@@ -342,7 +331,7 @@ TEST(GrowingSheets, AFixedBodyIsNotPushed) {
 // ---------------------------------------------------------------------------------------------------------------------
 
 TEST(GrowingSheets, AnOrganShrinksIntoACrowdedPlaceAndGrowsIntoTheRoomThereIs) {
-  GrowingSheets sheets({petal_sheet(), grid(2, 2)}, {});
+  GrowingSheets sheets({petal_sheet(), grid_sheet(2, 2)}, {});
   // A ceiling over the middle of the petal.
   const Places ceiling = {{-3, -3, 1.0}, {3, -3, 1.0}, {-3, 3, 1.0}, {3, 3, 1.0}};
   ASSERT_EQ(sheets.enter({1, kThickness_mm, true}, ceiling, {}).scale, 1.0);
@@ -366,7 +355,7 @@ TEST(GrowingSheets, AnOrganShrinksIntoACrowdedPlaceAndGrowsIntoTheRoomThereIs) {
 }
 
 TEST(GrowingSheets, WithoutAnyRoomTheBodiesInPlaceAreNamed) {
-  GrowingSheets sheets({petal_sheet(), grid(2, 2)}, {});
+  GrowingSheets sheets({petal_sheet(), grid_sheet(2, 2)}, {});
   const auto wall = [](double y) { return Places{{-9, y, -9}, {9, y, -9}, {-9, y, 9}, {9, y, 9}}; };
   ASSERT_EQ(sheets.enter({1, kThickness_mm}, wall(-5.0), {}).scale, 1.0);
   ASSERT_EQ(sheets.enter({1, kThickness_mm}, wall(0.001), {}).scale, 1.0);

@@ -10,6 +10,7 @@
 #include "anthesis/contact/continuous.h"
 #include "anthesis/contact/crossings.h"
 #include "anthesis/contact/growing_sheets.h"
+#include "sheets.h"
 
 namespace anthesis {
 namespace {
@@ -18,28 +19,8 @@ constexpr double kEdge_mm = 0.5;
 constexpr double kThickness_mm = 0.1;
 constexpr double kFractions[] = {0.1, 0.25, 0.5, 0.75, 0.9, 1.0};
 
-Sheet grid(std::uint32_t columns, std::uint32_t rows, bool closed) {
-  std::vector<Triangle> triangles;
-  for (std::uint32_t r = 0; r + 1 < rows; ++r) {
-    for (std::uint32_t c = 0; c + (closed ? 0 : 1) < columns; ++c) {
-      const std::uint32_t a = r * columns + c;
-      const std::uint32_t b = r * columns + (c + 1) % columns;
-      triangles.push_back({a, b, b + columns});
-      triangles.push_back({a, b + columns, a + columns});
-    }
-  }
-  return make_sheet(columns * rows, triangles);
-}
-
 constexpr std::uint32_t kPetalColumns = 4;
 constexpr std::uint32_t kTubeColumns = 6;
-
-/// A petal, a narrow tube, and a single triangle.
-const std::vector<Sheet>& sheets() {
-  static const std::vector<Sheet> all = {grid(kPetalColumns, 5, false), grid(kTubeColumns, 4, true),
-                                         make_sheet(3, std::vector<Triangle>{{0, 1, 2}})};
-  return all;
-}
 
 Vec3 place_in(std::uint32_t sheet, std::uint32_t vertex) {
   const std::uint32_t columns = sheet == 1 ? kTubeColumns : kPetalColumns;
@@ -50,6 +31,21 @@ Vec3 place_in(std::uint32_t sheet, std::uint32_t vertex) {
     return {0.4 * cosine, 0.4 * sine, kEdge_mm * row};
   }
   return {kEdge_mm * (column - 1.5), 0.1 * row * row, kEdge_mm * row};
+}
+
+/// A petal, a narrow tube, and a single triangle.
+const std::vector<Sheet>& sheets() {
+  static const std::vector<Sheet> all = [] {
+    std::vector<Sheet> made = {grid_sheet(kPetalColumns, 5), grid_sheet(kTubeColumns, 4, true),
+                               make_sheet(3, std::vector<Triangle>{{0, 1, 2}})};
+    for (std::uint32_t sheet : {0u, 1u}) {  // as organs have a shape; and one of them has none
+      for (std::uint32_t i = 0; i < made[sheet].vertex_count; ++i) {
+        made[sheet].shape_mm.push_back(place_in(sheet, i));
+      }
+    }
+    return made;
+  }();
+  return all;
 }
 
 Vec3 random_vector(Rng& rng, double size) {
@@ -138,10 +134,12 @@ Scene random_scene(std::uint64_t seed) {
 
 /// How far vertices look around beyond the least: as a share of their own moves.
 enum class Look {
-  kFar,     ///< all of it and a quarter more, as the solver does
-  kAnyhow,  ///< something between nothing and that, each vertex for itself
+  kFar,     ///< all of it and a quarter more
+  kAlong,   ///< along where they go and a little beside it, as the solver does
+  kAnyhow,  ///< along some way or other, and besides something between nothing and all of it, each for itself
   kNear,    ///< nothing
 };
+constexpr Look kLooks[] = {Look::kFar, Look::kAlong, Look::kAnyhow, Look::kNear};
 
 constexpr double kLeastReach_mm = 0.7 * kThickness_mm;
 constexpr double kLeastReachWithin_mm = 0.3 * kThickness_mm;
@@ -149,37 +147,46 @@ constexpr double kLeastReachWithin_mm = 0.3 * kThickness_mm;
 /// Looks around and filters the move.
 std::uint64_t filter(Scene& scene, Look look, StepFilter& step_filter) {
   Rng rng(scene.from_mm.size(), 2, RandomPurpose::kTest);
-  const auto share = [&] {
-    return look == Look::kFar ? 1.25 : look == Look::kNear ? 0.0 : std::max(0.0, rng.uniform(-1.25, 1.25));
-  };
   std::vector<double> reach(scene.from_mm.size());
   std::vector<double> within_reach(scene.from_mm.size());
-  std::vector<ContactBody> among;
-  std::vector<ContactBody> within;
+  std::vector<Vec3> way(scene.from_mm.size());
+  std::vector<ContactBody> seen;
   for (std::size_t b = 0; b < scene.bodies.size(); ++b) {
     const MovingBody& body = scene.bodies[b];
     const std::uint32_t count = body.end_vertex - body.first_vertex;
     const bool moves = body.relaxes || body.ride_mm != Vec3{};
     for (std::uint32_t i = body.first_vertex; i < body.end_vertex; ++i) {
-      const double own = body.relaxes ? length(scene.to_mm[i] - scene.from_mm[i] - body.ride_mm) : 0.0;
-      reach[i] = kLeastReach_mm + length(body.ride_mm) + share() * own;
-      within_reach[i] = kLeastReachWithin_mm + share() * own;
+      const Vec3 own = body.relaxes ? scene.to_mm[i] - scene.from_mm[i] - body.ride_mm : Vec3{};
+      double share = 0.0;
+      if (look == Look::kFar) {
+        share = 1.25;
+      } else if (look == Look::kAlong) {
+        way[i] = own + random_vector(rng, 0.1 * length(own));
+        share = 0.2;
+      } else if (look == Look::kAnyhow) {
+        way[i] = rng.bits() % 3 == 0 ? Vec3{} : rng.uniform(-0.5, 1.5) * own + random_vector(rng, length(own));
+        share = std::max(0.0, rng.uniform(-1.25, 1.25));
+      }
+      reach[i] = kLeastReach_mm + share * length(own);
+      within_reach[i] = kLeastReachWithin_mm + share * length(own);
     }
-    const auto seen = [&](const std::vector<double>& all, bool awake) {
-      return awake ? std::span(all).subspan(body.first_vertex, count) : std::span<const double>();
-    };
-    const std::uint32_t sheet = scene.sheet_of[b];
-    among.push_back({sheet, body.first_vertex, kLeastReach_mm, seen(reach, moves), moves, false, true});
-    // The parts of a body that only rides keep their distances.
-    within.push_back(
-        {sheet, body.first_vertex, kLeastReachWithin_mm, seen(within_reach, body.relaxes), body.relaxes, true, false});
+    ContactBody outlook;
+    outlook.sheet = scene.sheet_of[b];
+    outlook.first_vertex = body.first_vertex;
+    outlook.reach_mm = kLeastReach_mm;
+    outlook.awake = moves;
+    outlook.within = body.relaxes;  // the parts of a body that only rides keep their distances
+    outlook.ride_mm = body.ride_mm;
+    outlook.within_less_mm = kLeastReach_mm - kLeastReachWithin_mm;
+    if (body.relaxes) {
+      outlook.vertex_reach_mm = std::span(reach).subspan(body.first_vertex, count);
+      outlook.vertex_way_mm = std::span(way).subspan(body.first_vertex, count);
+    }
+    seen.push_back(outlook);
   }
   std::vector<Contact> contacts;
-  std::vector<Contact> more;
-  Detector(sheets()).find_near(scene.from_mm, among, contacts);
-  Detector(sheets()).find_near(scene.from_mm, within, more);
-  contacts.insert(contacts.end(), more.begin(), more.end());
-  return step_filter.apply(contacts, scene.bodies, reach, within_reach, scene.from_mm, scene.to_mm);
+  Detector(sheets()).find_near(scene.from_mm, seen, contacts);
+  return step_filter.apply(contacts, scene.bodies, {way, reach, within_reach}, scene.from_mm, scene.to_mm);
 }
 
 /// Gaps of all pairs nearer than the least gap, at a fraction of the move.
@@ -206,7 +213,7 @@ TEST(StepFilter, NothingCrossesAtAnyTimeOfAWildMove) {
     Scene scene = random_scene(static_cast<std::uint64_t>(seed));
     wild += std::ranges::any_of(kFractions, [&](double fraction) { return scene.crosses_at(fraction); });
     // Whether they looked far enough or not.
-    shortened += filter(scene, std::array{Look::kFar, Look::kAnyhow, Look::kNear}[seed % 3], step_filter);
+    shortened += filter(scene, kLooks[seed % 4], step_filter);
     for (const double fraction : kFractions) {
       ASSERT_FALSE(scene.crosses_at(fraction)) << "scene " << seed << " at " << fraction;
     }
@@ -220,7 +227,7 @@ TEST(StepFilter, GapsNeverFallBelowTheLeastGapAndSmallerOnesDoNotShrink) {
   int tight = 0;
   for (int seed = 0; seed < 1000; ++seed) {
     Scene scene = random_scene(10'000 + static_cast<std::uint64_t>(seed));
-    filter(scene, std::array{Look::kFar, Look::kAnyhow, Look::kNear}[seed % 3], step_filter);
+    filter(scene, kLooks[seed % 4], step_filter);
     std::vector<Vec3> places;
     for (const double fraction : kFractions) {
       for (const Contact& contact : tight_pairs(scene, fraction, places)) {
@@ -323,7 +330,7 @@ TEST(StepFilter, TwoThatDoNotSeeEachOtherStopBeforeTheyMeet) {
     scene.to_mm.push_back(scene.from_mm[k] + Vec3{0, 0, k < 3 ? 1.0 : -1.0});
   }
   const std::vector<double> reach(6, kLeastReach_mm);
-  step_filter.apply({}, scene.bodies, reach, reach, scene.from_mm, scene.to_mm);
+  step_filter.apply({}, scene.bodies, {{}, reach, reach}, scene.from_mm, scene.to_mm);
   for (int k = 0; k < 3; ++k) {
     EXPECT_GT(scene.to_mm[3 + k].z - scene.to_mm[k].z, kLeastGap_mm);
     EXPECT_LT(scene.to_mm[3 + k].z - scene.to_mm[k].z, 2.0 * kLeastGap_mm);

@@ -1,6 +1,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <cmath>
 #include <initializer_list>
 #include <string_view>
 
@@ -130,6 +131,83 @@ TEST_P(BuiltinSpeciesTest, StamensThenPistilsRiseAboveThePetals) {
 
 INSTANTIATE_TEST_SUITE_P(Species, BuiltinSpeciesTest, testing::Values("sunflower", "daisy"),
                          [](const auto& test) { return test.param; });
+
+class GalleryTest : public testing::TestWithParam<std::string> {};
+
+TEST_P(GalleryTest, MostOfItsHeadIsAFibonacciSpiral) {
+  const Expected<Species> species = find_species(GetParam());
+  ASSERT_TRUE(species) << to_string(species.error());
+  const Expected<Development> development = Development::grow(*species, {});
+  ASSERT_TRUE(development) << to_string(development.error());
+  const Parastichies found = analyse_parastichies(pattern_of(*development, 1.0));
+  std::size_t spiral = 0;
+  std::size_t all = 0;
+  for (const ParastichyRegion& region : found.regions) {
+    all += region.organs;
+    spiral += region.kind.series == ParastichySeries::kFibonacci ? region.organs : 0;
+  }
+  EXPECT_GT(4 * spiral, 3 * all - 12);  // a whorl at the foot of a small head is not
+  EXPECT_NEAR(found.divergence.mean_rad, kGoldenAngleRad, 1e-9);
+}
+
+std::vector<std::string> all_builtin() {
+  std::vector<std::string> names;
+  for (const BuiltinSpecies& species : builtin_species()) {
+    names.emplace_back(species.name);
+  }
+  return names;
+}
+
+std::string plain(const testing::TestParamInfo<std::string>& info) {
+  std::string name = info.param;
+  std::replace(name.begin(), name.end(), '-', '_');
+  return name;
+}
+
+INSTANTIATE_TEST_SUITE_P(Species, GalleryTest, testing::ValuesIn(all_builtin()), plain);
+
+/// Scale against s, apex first, of the organs of a kind on the plant's own head.
+std::vector<Vec2> sizes_of(const Development& development, const std::string& kind) {
+  std::vector<Vec2> sizes;
+  for (const OrganState& state : development.at(1.0).organs) {
+    const Organ& organ = development.organs()[state.id.value - 1];
+    if (development.species().organs[organ.kind].name == kind) {
+      sizes.push_back({state.s, std::sqrt(state.area_mm2)});
+    }
+  }
+  std::sort(sizes.begin(), sizes.end(), [](Vec2 a, Vec2 b) { return a.x < b.x; });
+  return sizes;
+}
+
+// F92 fig. 4.
+TEST(Gallery, DiskFloretsOfTheConeflowerShrinkLinearlyTowardsTheTip) {
+  const Development coneflower = *Development::grow(*find_species("green-coneflower"), {});
+  const std::vector<Vec2> sizes = sizes_of(coneflower, "disk_floret");
+  ASSERT_GT(sizes.size(), 100u);
+  const Vec2 first = sizes.front();
+  const Vec2 last = sizes.back();
+  EXPECT_LT(first.y, 0.8 * last.y);
+  for (const Vec2 size : sizes) {
+    const double linear = first.y + (last.y - first.y) * (size.x - first.x) / (last.x - first.x);
+    EXPECT_NEAR(size.y, linear, 0.02 * last.y);
+  }
+}
+
+// F92 figs. 8 to 12: patterns on the organs of patterns.
+TEST(Gallery, OrgansCarryPatternsLevelByLevel) {
+  const std::pair<const char*, int> plants[] = {
+      {"goatsbeard", 2}, {"mammillaria-geminispina", 2}, {"cauliflower", 3}, {"broccoli", 3}, {"pot-of-daisies", 2}};
+  for (const auto& [name, levels] : plants) {
+    const Development plant = *Development::grow(*find_species(name), {});
+    int deepest = 0;
+    std::vector<int> level(plant.organs().size() + 1);
+    for (const Organ& organ : plant.organs()) {
+      level[organ.id.value] = level[organ.parent.value] + 1;
+      deepest = std::max(deepest, level[organ.id.value]);
+    }
+    EXPECT_GE(deepest, levels) << name;
+  }
+}
 
 }  // namespace
 }  // namespace anthesis

@@ -30,7 +30,7 @@ using detail::angle_between;
 using detail::one_turn;
 using detail::RingList;
 
-constexpr double kLongestOdeStep = 0.0005;  // the error of a whole run is then below 1e-8 rad
+constexpr double kLongestOdeStep = 0.0005;  // azimuths then err by 1e-6 rad or so, most where D has a corner
 constexpr double kSameAngle = 1e-10;        // gaps narrower than this are closed
 constexpr double kSameTime = 1e-14;
 
@@ -516,8 +516,8 @@ std::optional<Error> check(const ActiveRingParams& params, const GrowingProfile&
   if (!(params.angular_step_rad >= 1e-6 && params.angular_step_rad <= 1.0)) {
     return invalid_parameter("angular_step_rad", "must be between 1e-06 and 1", params.angular_step_rad);
   }
-  for (const auto& [where, number] : {std::pair{"bract_landmark", params.bract_landmark},
-                                      std::pair{"trans_landmark", params.trans_landmark}}) {
+  for (const auto& [where, number] :
+       {std::pair{"bract_landmark", params.bract_landmark}, std::pair{"trans_landmark", params.trans_landmark}}) {
     if (number > profile.landmarks()) {
       return invalid_parameter(where, "must be one of the profile's " + std::to_string(profile.landmarks()),
                                static_cast<double>(number));

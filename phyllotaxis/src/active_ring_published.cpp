@@ -36,7 +36,8 @@ class PublishedRing {
  public:
   PublishedRing(const GrowingProfile& profile, const ActiveRingParams& params) : profile_(profile), params_(params) {
     const double end = params.first_azimuth_rad + math::kTurnRad;
-    for (double angle = params.first_azimuth_rad; angle < end; angle += params.angular_step_rad) {  // added up there too
+    for (double angle = params.first_azimuth_rad; angle < end;
+         angle += params.angular_step_rad) {  // added up there too
       scan_.push_back(angle <= math::kTurnRad ? angle : angle - math::kTurnRad);
     }
   }
@@ -57,8 +58,8 @@ class PublishedRing {
       if (ring_ > params_.last_ring) {
         scan();
         if (primordia_.size() > params_.most_primordia) {
-          return unexpected(Error{ErrorCode::kTooLarge, "threshold", "must not let more primordia appear than " +
-                                                                         std::to_string(params_.most_primordia)});
+          return unexpected(Error{ErrorCode::kTooLarge, "threshold",
+                                  "must not let more primordia appear than " + std::to_string(params_.most_primordia)});
         }
       }
       ring_ = profile_.ring(time_);
@@ -109,8 +110,7 @@ class PublishedRing {
   void move(std::uint32_t index) {
     Primordium& one = primordia_[index];
     one.s = profile_.s_from_material(time_, one.u);
-    const bool mobile =
-        primordia_.size() > 1 && one.s < params_.mobile_zone * ring_ && !has_younger_neighbour(index);
+    const bool mobile = primordia_.size() > 1 && one.s < params_.mobile_zone * ring_ && !has_younger_neighbour(index);
     if (mobile) {
       shift(index);
     } else if (!one.stable) {
@@ -138,8 +138,7 @@ class PublishedRing {
       return;
     }
     const double a = across / distance;
-    const double change =
-        params_.relaxation * params_.time_step * a * (across - a * threshold_) / mean_radius;
+    const double change = params_.relaxation * params_.time_step * a * (across - a * threshold_) / mean_radius;
     one.azimuth = detail::one_turn(one.azimuth + (to_left ? -change : change));
   }
 
@@ -223,8 +222,8 @@ class PublishedRing {
         }
         continue;
       }
-      Near one{std::sqrt(distance_squared(candidate(primordia_[entry.primordium].azimuth,
-                                                    radius_now(entry.primordium, s), s), azimuth)),
+      Near one{std::sqrt(distance_squared(
+                   candidate(primordia_[entry.primordium].azimuth, radius_now(entry.primordium, s), s), azimuth)),
                entry.primordium};
       for (Near& place : nearest) {
         if (one.distance < place.distance || (one.distance == place.distance && one.index < place.index)) {
@@ -293,9 +292,9 @@ class PublishedRing {
   std::uint32_t step_ = 0;
   double step_size_ = 0.0;
   double time_ = 0.0;
-  double before_ = 0.0;       ///< time of the step before
+  double before_ = 0.0;  ///< time of the step before
   double length_ = 0.0;
-  double ring_ = 0.0;         ///< of the step before while a step runs, and so are the next two
+  double ring_ = 0.0;  ///< of the step before while a step runs, and so are the next two
   double ring_radius_ = 0.0;
   double threshold_ = 0.0;
   std::vector<Primordium> primordia_;

@@ -49,18 +49,19 @@ void add_outputs(CLI::App& app, std::vector<std::string>& paths, std::span<const
       ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll);
 }
 
-std::vector<Output> check_outputs(const std::vector<std::string>& paths, std::span<const std::string_view> formats) {
+std::vector<Output> check_outputs(const std::vector<std::string>& paths, std::span<const std::string_view> formats,
+                                  const std::string& flag) {
   std::vector<Output> outputs;
   for (const std::string& path : paths) {
     std::string format = extension_of(path);
     if (std::find(formats.begin(), formats.end(), format) == formats.end()) {
       if (!is_device(path)) {
-        throw usage("-o must end in " + list_of(formats) + ", got " + path);
+        throw usage(flag + " must end in " + list_of(formats) + ", got " + path);
       }
       format = formats.front();
     }
     if (std::any_of(outputs.begin(), outputs.end(), [&](const Output& other) { return other.path == path; })) {
-      throw usage("-o names " + path + " twice");
+      throw usage(flag + " names " + path + " twice");
     }
     check_writable(path);
     outputs.push_back({path, std::move(format)});

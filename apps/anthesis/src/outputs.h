@@ -19,7 +19,8 @@ void add_outputs(CLI::App& app, std::vector<std::string>& paths, std::span<const
 
 /// The outputs that `paths` name. Refuses, before any work is done, formats that are not among `formats`, a path given
 /// twice, and places that cannot be written to. A device or a pipe takes the first format, whatever its name.
-std::vector<Output> check_outputs(const std::vector<std::string>& paths, std::span<const std::string_view> formats);
+std::vector<Output> check_outputs(const std::vector<std::string>& paths, std::span<const std::string_view> formats,
+                                  const std::string& flag = "-o");
 
 /// The same for one path of a known format.
 void check_writable(const std::string& path);

@@ -67,9 +67,9 @@ void ParastichyArguments::add_to(CLI::App& app) {
 }
 
 void ParastichyArguments::check() const {
-  check_outputs(outputs, kFormats);
+  check_outputs(outputs, kFormats, "--parastichies");
   if (!organs.empty()) {
-    check_outputs({organs}, kOrganFormats);
+    check_outputs({organs}, kOrganFormats, "--parastichy-organs");
   }
   if (view != "polar" && view != "unrolled") {
     throw usage("--parastichy-view must be polar or unrolled, got " + view);
@@ -80,7 +80,7 @@ void ParastichyArguments::analyse(std::span<const PatternOrgan> pattern, const P
                                   const ParastichyFile& file, bool in_words, Report& report) const {
   const Parastichies found = report.time("parastichies", [&] { return analyse_parastichies(pattern, options); });
   report.values["parastichies"] = nlohmann::ordered_json::parse(parastichies_json(found, file)).at("parastichies");
-  for (const Output& output : check_outputs(outputs, kFormats)) {
+  for (const Output& output : check_outputs(outputs, kFormats, "--parastichies")) {
     const ParastichyView drawn = view == "polar" ? ParastichyView::kPolar : ParastichyView::kUnrolled;
     write_output(report, output.path,
                  output.format == "svg"   ? parastichies_svg(found, pattern, drawn, file)

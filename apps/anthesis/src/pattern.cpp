@@ -180,7 +180,7 @@ Command add_pattern(CLI::App& app) {
                   "  anthesis pattern sunflower\n"
                   "  anthesis pattern sunflower -o organs.csv -o organs.svg\n"
                   "  anthesis pattern sunflower --parastichies families.svg --parastichies regions.csv\n"
-                  "  anthesis pattern --measured head.csv --parastichies families.svg\n"
+                  "  anthesis pattern --measured organs.csv --parastichies measured.svg\n"
                   "  anthesis pattern --study divergence -o study.svg\n"
                   "  anthesis pattern --vogel 82 --cone-deg 38\n"
                   "  anthesis pattern --vogel 82 --sweep cone-deg=20:89:0.5 -o rays.svg\n"

@@ -64,9 +64,7 @@ void draw_meristems(const std::string& of, const std::vector<std::string>& paths
 
 void StudyArguments::add_to(CLI::App& app) {
   app.add_option("--study", of,
-                 "Of models of phyllotaxis: divergence compares them over organ sizes; meristem-modes, self-similar "
-                 "and hierarchy "
-                 "draw growing meristems")
+                 "divergence: models compared over organ sizes; drawings: meristem-modes, self-similar, hierarchy")
       ->type_name("NAME");
   app.add_option("--sizes", sizes,
                  "Of the study: smallest and largest diameter of an organ as shares of the circumference, and how many "

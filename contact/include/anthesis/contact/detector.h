@@ -25,6 +25,11 @@ struct ContactBody {
   bool awake = true;
   bool within = true;  ///< its own triangles may touch each other
   bool among = true;   ///< and those of other bodies
+  /// Where it looks from: from all places that its vertices may get to, each by any share of its own way, together with
+  /// any share, the same for all, of the ride. Only for bodies that are awake. No ways: none.
+  Vec3 ride_mm = {};
+  std::span<const Vec3> vertex_way_mm = {};
+  double within_less_mm = 0.0;  ///< so much less far its vertices look for parts of their own body, >= 0
 };
 
 /// A vertex near a triangle, or an edge near an edge.
@@ -63,9 +68,9 @@ class Detector {
   Detector& operator=(Detector&&) noexcept;
   ~Detector();
 
-  /// Every vertex-triangle and edge-edge pair whose distance is at most the sum of its bodies' reaches (a body and
-  /// itself: twice its reach), once, in an order that depends on the bodies and the sheets only.
-  /// Never misses one for rounding; pairs a little farther may be among them.
+  /// Every vertex-triangle and edge-edge pair whose distance is, or by their bodies' rides and ways may become, at most
+  /// the sum of its bodies' reaches (a body and itself: twice its reach, and no ride), once, in an order that depends
+  /// on the bodies and the sheets only. Never misses one for rounding; pairs a little farther may be among them.
   void find_near(std::span<const Vec3> positions_mm, std::span<const ContactBody> bodies,
                  std::vector<Contact>& contacts);
 

@@ -90,7 +90,7 @@ class GrowingSheets {
     std::vector<Vec3> targets_mm;
     std::vector<std::uint8_t> awake;  ///< one for each body
     std::vector<std::uint8_t> bent;   ///< as many as were there at the last pass: not as the target is
-    std::vector<double> wanted_mm;    ///< one for each vertex: how far it would have gone in the last pass
+    std::vector<double> wanted_mm;    ///< one for each vertex: how far beside its way the last pass wanted it to go
   };
   Snapshot snapshot() const;
   void restore(Snapshot snapshot);

@@ -34,8 +34,8 @@ struct ActiveRingParams {
   /// A primordium may move sideways as long as its s is below this many times the ring's; > 0.
   double mobile_zone = 1.5;
 
-  double last_ring = 0.0025;            ///< no primordium appears once the ring's s is at or below this; in [0, 1]
-  double first_azimuth_rad = math::kPi; ///< of the first primordium, in [0, 2 pi)
+  double last_ring = 0.0025;             ///< no primordium appears once the ring's s is at or below this; in [0, 1]
+  double first_azimuth_rad = math::kPi;  ///< of the first primordium, in [0, 2 pi)
 
   std::size_t bract_landmark = 0;  ///< outside it are bracts; 0: there are none
   std::size_t trans_landmark = 0;  ///< outside it, but not bracts, are trans florets; 0: there are none
@@ -63,10 +63,10 @@ struct RingMoment {
 
 struct RingPrimordium {
   RingMoment born;
-  RingMoment stable;     ///< when it stopped moving sideways; the last moment if it never did
-  RingMoment last;       ///< at time 1 (as published: at the last step)
-  double material = 0.0;  ///< its material coordinate u, for its way on the growing profile
-  double threshold = 0.0;  ///< D when it appeared
+  RingMoment stable;                          ///< when it stopped moving sideways; the last moment if it never did
+  RingMoment last;                            ///< at time 1 (as published: at the last step)
+  double material = 0.0;                      ///< its material coordinate u, for its way on the growing profile
+  double threshold = 0.0;                     ///< D when it appeared
   std::array<std::uint32_t, 2> neighbours{};  ///< at birth: the one behind it in azimuth, the one ahead; itself if none
 };
 
@@ -79,8 +79,8 @@ Expected<std::vector<RingPrimordium>> grow_active_ring(const GrowingProfile& pro
 
 /// The same by the rules of the program published with O24: a clock of steps of `time_step`, shorter near the apex, and
 /// at each step a scan of the ring in angular steps from the first azimuth on, in which primordia appear at the first
-/// angle of a gap. Angles that the others forbid are jumped over; the outcome is that of the full scan. `relaxation` is meant per
-/// 1 of time, `relaxation * time_step` per step.
+/// angle of a gap. Angles that the others forbid are jumped over; the outcome is that of the full scan. `relaxation` is
+/// meant per 1 of time, `relaxation * time_step` per step.
 Expected<std::vector<RingPrimordium>> grow_active_ring_as_published(const GrowingProfile& profile,
                                                                     const ActiveRingParams& params);
 

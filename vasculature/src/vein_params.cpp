@@ -1,0 +1,113 @@
+#include "anthesis/vasculature/vein_params.h"
+
+#include <cmath>
+#include <string>
+#include <string_view>
+
+#include "anthesis/base/check.h"
+#include "anthesis/base/math.h"
+
+namespace anthesis {
+namespace {
+
+constexpr double kMost = 1e6;  // any length or resistivity
+constexpr int kMostFrames = 1'000'000;
+
+/// Reports the first rule that is broken.
+class Checker {
+ public:
+  void number(const std::string& where, double value, double low, double high) {
+    if (!error) {
+      error = check_number(where, value, low, high);
+    }
+  }
+  void whole(const std::string& where, int value, int low, int high) {
+    if (!error) {
+      error = check_whole(where, value, low, high);
+    }
+  }
+  void range(const std::string& where, const std::array<double, 2>& value, double low, double high) {
+    if (!error) {
+      error = check_range(where, value, low, high);
+    }
+  }
+  void course(const std::string& where, const TimeCourse& course, double low, double high) {
+    if (!error && course.points.empty()) {
+      error = invalid_parameter(where, "must have at least 1 point", "none");
+    }
+    for (std::size_t i = 0; i < course.points.size() && !error; ++i) {
+      const std::string point = where + "[" + std::to_string(i) + "]";
+      number(point, course.points[i].y, low, high);
+      number(point, course.points[i].x, i == 0 ? 0.0 : course.points[i - 1].x, 1.0);
+    }
+  }
+  void jitter(const std::string& where, const VeinJitter& jitter) {
+    number(where + ".probability", jitter.probability, 0.0, 1.0);
+    number(where + ".strength", jitter.strength, 0.0, 100.0);
+  }
+
+  std::optional<Error> error;
+};
+
+}  // namespace
+
+std::optional<Error> check(const VeinParams& params) {
+  constexpr double kSmall = 1e-9;
+  Checker checker;
+  checker.whole("ring_vertices", params.ring_vertices, 1, 100'000);
+  checker.number("ring_radius", params.ring_radius, kSmall, 1.0);
+  checker.number("ring_inset", params.ring_inset, 0.0, kMost);
+  checker.number("first_start", params.first_start, 0.0, 1.0);
+  for (std::size_t i = 0; i < params.initials.size(); ++i) {
+    const VeinInitial& initial = params.initials[i];
+    const std::string where = "initials[" + std::to_string(i) + "].";
+    checker.number(where + "depth", initial.depth, kSmall, 1e4 * params.step);
+    checker.range(where + "depth_range", initial.depth_range, kSmall, 100.0);
+    checker.number(where + "sinking", initial.sinking, 0.0, 1e4 * params.step);
+    checker.whole(where + "delay_frames", initial.delay_frames[0], 0, kMostFrames);
+    checker.whole(where + "delay_frames", initial.delay_frames[1], initial.delay_frames[0], kMostFrames);
+    checker.jitter(where + "jitter", initial.jitter);
+    checker.jitter(where + "strand_jitter", initial.strand_jitter);
+    checker.number(where + "resistivity_factor", initial.resistivity_factor, 0.0, kMost);
+    checker.number(where + "initial_resistivity_factor", initial.initial_resistivity_factor, 0.0, kMost);
+  }
+  checker.course("depth_course", params.depth_course, 0.0, 100.0);
+  checker.course("ground_resistivity", params.ground_resistivity, 0.0, kMost);
+  checker.course("maturation_frames", params.maturation_frames, 0.0, kMostFrames);
+  checker.number("mature_resistivity", params.mature_resistivity, 0.0, kMost);
+  checker.number("vein_weight", params.vein_weight, 0.0, kMost);
+  checker.number("age_weight", params.age_weight, 0.0, kMost);
+  checker.number("age_offset", params.age_offset, 0.0, 1.0);
+  checker.number("shielding_angle_rad", params.shielding_angle_rad, kSmall, math::kPi);
+  checker.number("sector_weight", params.sector_weight, 0.0, kMost);
+  checker.number("inward_limit", params.inward_limit, -1.0, 1.0);
+  checker.number("step", params.step, kSmall, kMost);
+  checker.number("merge_distance", params.merge_distance, 0.5 * params.step, kMost);
+  checker.number("momentum", params.momentum, 0.0, kMost);
+  checker.number("drift", params.drift, 0.0, 1.0);
+  checker.number("split_length", params.split_length, params.step, kMost);
+  const VeinReticulation& reticulation = params.reticulation;
+  checker.whole("reticulation.delay_frames", reticulation.delay_frames, 0, kMostFrames);
+  checker.number("reticulation.ratio_limit", reticulation.ratio_limit, 0.0, kMost);
+  checker.number("reticulation.difference_limit", reticulation.difference_limit, -kMost, kMost);
+  checker.number("reticulation.reach", reticulation.reach, 0.0, kMost);
+  checker.number("reticulation.neighbourhood", reticulation.neighbourhood, 0.0, kMost);
+  const VeinColonisation& colonisation = params.colonisation;
+  checker.range("colonisation.window", colonisation.window, 0.0, 1.0);
+  checker.course("colonisation.s", colonisation.s, 0.0, 1.0);
+  checker.range("colonisation.depth_range", colonisation.depth_range, 0.0, kMost);
+  checker.whole("colonisation.sources_per_frame", colonisation.sources_per_frame, 0, 10'000);
+  checker.number("colonisation.spacing", colonisation.spacing, kSmall, kMost);
+  checker.number("colonisation.kill_distance", colonisation.kill_distance, kSmall, kMost);
+  checker.number("colonisation.step", colonisation.step, kSmall, kMost);
+  checker.number("colonisation.resistivity_factor", colonisation.resistivity_factor, 0.0, kMost);
+  checker.jitter("colonisation.jitter", colonisation.jitter);
+  checker.number("murray_exponent", params.murray_exponent, 1.0, 100.0);
+  for (std::size_t i = 0; i < params.tip_diameter.size(); ++i) {
+    checker.number("tip_diameter[" + std::to_string(i) + "]", params.tip_diameter[i], kSmall, kMost);
+  }
+  checker.number("second_share", params.second_share, 0.0, 0.5);
+  return checker.error;
+}
+
+}  // namespace anthesis

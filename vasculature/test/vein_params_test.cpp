@@ -1,0 +1,54 @@
+#include "anthesis/vasculature/vein_params.h"
+
+#include <gtest/gtest.h>
+
+namespace anthesis {
+namespace {
+
+TEST(TimeCourse, IsABrokenLineWithSteps) {
+  const TimeCourse course{{{0.2, 1.0}, {0.4, 2.0}, {0.4, 5.0}, {0.8, 7.0}}};
+  EXPECT_DOUBLE_EQ(course.at(0.0), 1.0);
+  EXPECT_DOUBLE_EQ(course.at(0.3), 1.5);
+  EXPECT_NEAR(course.at(0.4 - 1e-12), 2.0, 1e-10);
+  EXPECT_DOUBLE_EQ(course.at(0.4), 5.0);
+  EXPECT_DOUBLE_EQ(course.at(0.6), 6.0);
+  EXPECT_DOUBLE_EQ(course.at(1.0), 7.0);
+}
+
+TEST(VeinParams, OfTheSpeciesAreSound) {
+  for (const VeinSource source : {VeinSource::kPaper, VeinSource::kAsPublished}) {
+    for (const VeinParams& params : {bellis_veins(source), sunflower_veins(source), gerbera_veins(source)}) {
+      const std::optional<Error> error = check(params);
+      EXPECT_FALSE(error.has_value()) << to_string(*error);
+    }
+  }
+}
+
+TEST(VeinParams, ErrorsNameTheField) {
+  VeinParams params;
+  params.initials[1].jitter.probability = 1.5;
+  std::optional<Error> error = check(params);
+  ASSERT_TRUE(error.has_value());
+  EXPECT_EQ(error->where, "initials[1].jitter.probability");
+
+  params = {};
+  params.ground_resistivity.points = {{0.5, 1.0}, {0.4, 1.0}};
+  error = check(params);
+  ASSERT_TRUE(error.has_value());
+  EXPECT_EQ(error->where, "ground_resistivity[1]");
+
+  params = {};
+  params.depth_course.points.clear();
+  error = check(params);
+  ASSERT_TRUE(error.has_value());
+  EXPECT_EQ(error->where, "depth_course");
+
+  params = {};
+  params.merge_distance = 0.4 * params.step;  // a strand could jump over what it is to join
+  error = check(params);
+  ASSERT_TRUE(error.has_value());
+  EXPECT_EQ(error->where, "merge_distance");
+}
+
+}  // namespace
+}  // namespace anthesis
