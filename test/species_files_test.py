@@ -118,6 +118,8 @@ class SpeciesFiles(ProgramTest):
             half_width_mm = [1, 1, 1, 0]
             [pigments.green]
             colour = "#3a6b22"
+            [pigments.hair]
+            colour = "#d8dcc0"
             """
         with open(self.path("mine.toml"), "w", encoding="utf-8") as file:
             file.write("".join(blocks) + rest)

@@ -94,9 +94,9 @@ Command add_import(CLI::App& app) {
       ->type_name("");
   add_outputs(*command, arguments->outputs, kFormats);
   add_number(*command, "--width-mm", arguments->scale.width_mm, {0.01, 10000.0},
-             "Greatest width of the mature receptacle: VLab's files state no unit");
+             "Greatest width of the mature receptacle in mm");
   add_number(*command, "--radius-factor", arguments->scale.radius_factor, {0.0, 1000.0, true, false},
-             "Factor of the function rho, which VLab's models keep in their programs");
+             "Factor of the function rho");
   command->add_flag("--json", arguments->json, "Print JSON");
   return {command, [arguments](Console&) { run(*arguments); }};
 }

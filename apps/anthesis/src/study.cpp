@@ -67,8 +67,7 @@ void StudyArguments::add_to(CLI::App& app) {
                  "divergence: models compared over organ sizes; drawings: meristem-modes, self-similar, hierarchy")
       ->type_name("NAME");
   app.add_option("--sizes", sizes,
-                 "Of the study: smallest and largest diameter of an organ as shares of the circumference, and how many "
-                 "sizes; 0.05:0.5:46 if left out")
+                 "SMALLEST:LARGEST:COUNT of the study, diameters over circumferences; 0.05:0.5:46 if left out")
       ->type_name("RANGE");
 }
 
