@@ -210,6 +210,31 @@ TEST_F(Collisions, AFrameDoesNotDependOnTheOthers) {
   EXPECT_EQ(bits_of(twice[4]), bits_of(many[4]));
 }
 
+// A vertex that jumps aside and back would change its way, from one frame to the next, by twice the jump.
+TEST_F(Collisions, NothingPopsFromFrameToFrame) {
+  CollisionOptions options;
+  std::vector<double> times;
+  for (int i = 24; i <= options.steps; ++i) {  // both petals are there
+    times.push_back(static_cast<double>(i) / options.steps);
+  }
+  std::vector<Canopy> free;
+  for (const double time : times) {
+    free.push_back(plant().at(time));
+  }
+  const std::vector<std::vector<Vec3>> alone = bits_of(free);
+  const std::vector<std::vector<Vec3>> kept_apart = bits_of(frames_at(times, options));
+  double fastest_mm = 0.0;  // in one frame, if nothing were in the way
+  double roughest_mm = 0.0;
+  for (std::size_t i = 1; i + 1 < times.size(); ++i) {
+    for (std::size_t v = 0; v < alone[i].size(); ++v) {
+      fastest_mm = std::max(fastest_mm, length(alone[i][v] - alone[i - 1][v]));
+      roughest_mm =
+          std::max(roughest_mm, length(kept_apart[i + 1][v] - 2.0 * kept_apart[i][v] + kept_apart[i - 1][v]));
+    }
+  }
+  EXPECT_LT(roughest_mm, 0.5 * fastest_mm);
+}
+
 TEST_F(Collisions, TheNumberOfThreadsChangesNoBit) {
   std::vector<std::vector<Vec3>> once;
   for (const int threads : {1, 2}) {
