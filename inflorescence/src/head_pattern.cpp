@@ -97,24 +97,6 @@ Expected<FixedPattern> let_collide(const Head& head, std::size_t limit, const Pr
   return pattern;
 }
 
-std::vector<Vec2> profile_at(std::span<const KeyProfile> keys, double time) {
-  const auto later =
-      std::upper_bound(keys.begin(), keys.end(), time, [](double t, const KeyProfile& key) { return t < key.time; });
-  if (later == keys.begin()) {
-    return keys.front().controls;
-  }
-  if (later == keys.end()) {
-    return keys.back().controls;
-  }
-  const KeyProfile& before = *(later - 1);
-  const double share = (time - before.time) / (later->time - before.time);
-  std::vector<Vec2> controls(before.controls.size());
-  for (std::size_t i = 0; i < controls.size(); ++i) {
-    controls[i] = lerp(before.controls[i], later->controls[i], share);
-  }
-  return controls;
-}
-
 }  // namespace
 
 Expected<HeadPattern> HeadPattern::make(const Head& head, std::size_t limit, const Progress& progress) {

@@ -228,8 +228,7 @@ TEST_F(Collisions, NothingPopsFromFrameToFrame) {
   for (std::size_t i = 1; i + 1 < times.size(); ++i) {
     for (std::size_t v = 0; v < alone[i].size(); ++v) {
       fastest_mm = std::max(fastest_mm, length(alone[i][v] - alone[i - 1][v]));
-      roughest_mm =
-          std::max(roughest_mm, length(kept_apart[i + 1][v] - 2.0 * kept_apart[i][v] + kept_apart[i - 1][v]));
+      roughest_mm = std::max(roughest_mm, length(kept_apart[i + 1][v] - 2.0 * kept_apart[i][v] + kept_apart[i - 1][v]));
     }
   }
   EXPECT_LT(roughest_mm, 0.5 * fastest_mm);

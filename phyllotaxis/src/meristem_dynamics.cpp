@@ -34,6 +34,24 @@ Error cancelled() {
 
 }  // namespace
 
+std::vector<Vec2> profile_at(std::span<const KeyProfile> keys, double time) {
+  const auto later =
+      std::upper_bound(keys.begin(), keys.end(), time, [](double t, const KeyProfile& key) { return t < key.time; });
+  if (later == keys.begin()) {
+    return keys.front().controls;
+  }
+  if (later == keys.end()) {
+    return keys.back().controls;
+  }
+  const KeyProfile& before = *(later - 1);
+  const double share = (time - before.time) / (later->time - before.time);
+  std::vector<Vec2> controls(before.controls.size());
+  for (std::size_t i = 0; i < controls.size(); ++i) {
+    controls[i] = lerp(before.controls[i], later->controls[i], share);
+  }
+  return controls;
+}
+
 std::optional<Error> check(const MeristemDynamicsParams& params) {
   if (params.profiles.empty()) {
     return invalid_parameter("receptacle", "must have at least 1 profile", 0.0);
@@ -220,27 +238,8 @@ double MeristemDynamics::area(std::size_t i, double time) const {
   return primordia_[i].mature_area_mm2 * params_.area_growth(time - primordia_[i].birth);
 }
 
-std::vector<Vec2> MeristemDynamics::profile(double time) const {
-  const auto& keys = params_.profiles;
-  const auto later =
-      std::upper_bound(keys.begin(), keys.end(), time, [](double t, const KeyProfile& key) { return t < key.time; });
-  if (later == keys.begin()) {
-    return keys.front().controls;
-  }
-  if (later == keys.end()) {
-    return keys.back().controls;
-  }
-  const KeyProfile& before = *(later - 1);
-  const double share = (time - before.time) / (later->time - before.time);
-  std::vector<Vec2> controls(before.controls.size());
-  for (std::size_t i = 0; i < controls.size(); ++i) {
-    controls[i] = lerp(before.controls[i], later->controls[i], share);
-  }
-  return controls;
-}
-
 SurfaceOfRevolution MeristemDynamics::shape(double time) const {
-  std::vector<Vec2> controls = profile(time);
+  std::vector<Vec2> controls = profile_at(params_.profiles, time);
   const int degree = degree_for(controls.size());
   return SurfaceOfRevolution(std::move(controls), degree);
 }
@@ -251,7 +250,7 @@ SurfaceOfRevolution MeristemDynamics::surface(double time) const {
   for (std::size_t i = 0; i < count; ++i) {
     total += area(i, time);
   }
-  std::vector<Vec2> controls = profile(time);
+  std::vector<Vec2> controls = profile_at(params_.profiles, time);
   const int degree = degree_for(controls.size());
   const SurfaceOfRevolution unscaled(controls, degree);
   const double scale = std::sqrt(total / unscaled.area_mm2());

@@ -103,8 +103,8 @@ class Development {
   std::unique_ptr<State> state_;
 };
 
-/// The organs of the plant's own head at a time, in order of birth, for analyse_parastichies(). Organs that organs carry
-/// are left out.
+/// The organs of the plant's own head at a time, in order of birth, for analyse_parastichies(). Organs that organs
+/// carry are left out.
 std::vector<PatternOrgan> pattern_of(const Development& development, double time);
 
 /// "ray_floret.12": the name of an organ in every file and message.

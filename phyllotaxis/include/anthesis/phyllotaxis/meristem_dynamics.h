@@ -19,6 +19,9 @@ struct KeyProfile {
   std::vector<Vec2> controls;  ///< (radius, height), apex to base, of a clamped B-spline of degree min(3, n - 1)
 };
 
+/// The control points at a time: those of the profiles before and after it, in shares; at least one profile.
+std::vector<Vec2> profile_at(std::span<const KeyProfile> profiles, double time);
+
 /// How a meristem comes to be covered by primordia (O16 fig. 11).
 enum class MeristemMode {
   kCentripetal,  ///< fractionation: a naked meristem is covered from its rim inwards, one primordium each interval
@@ -103,7 +106,6 @@ class MeristemDynamics {
   explicit MeristemDynamics(MeristemDynamicsParams params) : params_(std::move(params)) {}
   std::optional<Error> fractionate(std::size_t limit, const Progress& progress);
   std::optional<Error> segregate(std::size_t limit, const Progress& progress);
-  std::vector<Vec2> profile(double time) const;
   SurfaceOfRevolution shape(double time) const;
   double area(std::size_t primordium, double time) const;
   double inner_after(std::size_t primordia, double time) const;
