@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "anthesis/base/file.h"
+#include "anthesis/exchange/vlab_digitised_head.h"
 #include "anthesis/exchange/vlab_function.h"
 #include "anthesis/exchange/vlab_head.h"
 #include "anthesis/phyllotaxis/active_ring.h"
@@ -35,21 +36,7 @@ inline DigitisedHead published_head(const std::string& species, bool uniform_kno
   const std::string folder = species + "/";
   const auto contours = read_vlab_contours(published_text(folder + "contours_markers.cset"), "contours_markers.cset");
   const auto knots = read_vlab_knots(published_text(folder + "knotPositions.dat"), "knotPositions.dat");
-  const auto stages = vlab_stages(*contours, uniform_knots ? std::vector<double>{} : *knots);
-  DigitisedHead head;
-  for (std::size_t k = 0; k < stages->contours.size(); ++k) {
-    DigitisedSection section;
-    section.profile.degree = 3;
-    for (const Vec3 control : vlab_spline(stages->contours[k]).controls) {
-      section.profile.controls.push_back({control.x, control.y});
-    }
-    section.landmarks = stages->landmarks[k];
-    section.ring = stages->ring[k];
-    head.sections.push_back(std::move(section));
-  }
-  head.knots = stages->knots;
-  head.scale = kModelScale;
-  return head;
+  return *vlab_digitised_head(*contours, uniform_knots ? std::vector<double>{} : *knots, kModelScale);
 }
 
 /// The head of Bellis that the paper shows: the released contours with the ring read back from its 420 primordia,

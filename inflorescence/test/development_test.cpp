@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <map>
 
 #include "anthesis/base/math.h"
@@ -308,6 +309,47 @@ TEST(Development, OrgansFitTheirPlaces) {
     if (state.area_mm2 > 5.0) {  // of a cluster: the disc of its area is as wide as its form says
       EXPECT_NEAR(2.0 * state.world_from_organ.scale, std::sqrt(state.area_mm2 / math::kPi), 1e-9);
     }
+  }
+}
+
+// The rules of growing meristems and of given receptacles, asked for by name: each has its mark.
+TEST(Development, EveryRulePlacesItsOrgans) {
+  Species species = clusters_of_pegs();
+  species.organs[0].head.reset();
+  species.head.radius_mm = {{0.0, 1.5}, {1.0, 1.5}};
+  species.head.rule = PlacementRule::kCollision;
+  const Canopy spheres = Development::grow(species, {})->at(1.0);
+  ASSERT_GT(spheres.organs.size(), 30u);
+  double nearest = 1e9;
+  for (const OrganState& a : spheres.organs) {
+    for (const OrganState& b : spheres.organs) {
+      if (a.id != b.id) {
+        nearest = std::min(nearest, length(a.world_from_organ.position_mm - b.world_from_organ.position_mm));
+      }
+    }
+  }
+  EXPECT_NEAR(nearest, 3.0, 1e-9);  // they touch, and none comes nearer
+
+  species.head.meristem_area_mm2 = 300.0;
+  species.head.outer_area_mm2 = 300.0;
+  species.head.rule = PlacementRule::kDivergent;
+  const Development divergent = *Development::grow(species, {});
+  const Canopy both_ways = divergent.at(1.0);
+  ASSERT_GT(both_ways.organs.size(), 15u);
+  const double first_s = both_ways.organs[0].s;
+  EXPECT_TRUE(std::any_of(both_ways.organs.begin(), both_ways.organs.end(),
+                          [&](const auto& o) { return o.s > first_s + 0.1; }));
+  EXPECT_TRUE(std::any_of(both_ways.organs.begin(), both_ways.organs.end(),
+                          [&](const auto& o) { return o.s < first_s - 0.1; }));
+
+  species.head.meristem_area_mm2 = 22.0;
+  species.head.threshold_area_mm2 = 30.0;
+  species.head.meristem_rate = {{0.0, 20.0}, {1.0, 20.0}};
+  species.head.rule = PlacementRule::kSegregation;
+  const Canopy given_off = Development::grow(species, {})->at(1.0);
+  ASSERT_GT(given_off.organs.size(), 10u);
+  for (std::size_t i = 1; i < given_off.organs.size(); ++i) {
+    EXPECT_LT(given_off.organs[i].s, given_off.organs[i - 1].s);  // the youngest next to the tip
   }
 }
 

@@ -20,14 +20,6 @@ constexpr std::uint32_t kMostVertices = 5'000'000;
 constexpr int kMostSteps = 500;
 constexpr int kMostClimbs = 10;
 
-// Streams of random numbers of this module.
-constexpr RandomPurpose kBirth = static_cast<RandomPurpose>(64);
-constexpr RandomPurpose kInitial = static_cast<RandomPurpose>(65);
-constexpr RandomPurpose kStrand = static_cast<RandomPurpose>(66);
-constexpr RandomPurpose kReticulation = static_cast<RandomPurpose>(67);
-constexpr RandomPurpose kSource = static_cast<RandomPurpose>(68);
-constexpr RandomPurpose kColonisation = static_cast<RandomPurpose>(69);
-
 Vec3 random_direction(Rng& rng) {
   const double azimuth = math::kTurnRad * rng.uniform();
   const double z = 1.0 - 2.0 * rng.uniform();
@@ -280,7 +272,7 @@ VeinGrowth::Place VeinGrowth::place_on_outline(std::size_t frame, double s) cons
 void VeinGrowth::bear(std::size_t p) {
   const VeinPrimordium& primordium = primordia_[p];
   const VeinInitial& initial = initial_of(p);
-  Rng rng(options_.seed, primordium.id, kBirth);
+  Rng rng(options_.seed, primordium.id, RandomPurpose::kVeinBirth);
   const double factor = random_in(rng, initial.depth_range);
   const int choices = initial.delay_frames[1] - initial.delay_frames[0] + 1;
   const int delay = initial.delay_frames[0] + std::min(static_cast<int>(rng.uniform() * choices), choices - 1);
@@ -335,7 +327,7 @@ Vec3 VeinGrowth::deviated(Vec3 step, const VeinJitter& jitter, Rng& rng) const {
 void VeinGrowth::grow_initial(std::size_t p) {
   Strand& strand = strands_[p];
   const VeinInitial& initial = initial_of(p);
-  Rng rng(options_.seed, primordia_[p].id, kInitial);
+  Rng rng(options_.seed, primordia_[p].id, RandomPurpose::kVeinInitial);
   strand.started = true;
   strand.start_frame = frame_;
   network_.age[strand.surface] = 0;
@@ -566,7 +558,7 @@ VeinGrowth::Path VeinGrowth::find_path(Vec3 p, Vec3 momentum, const VeinJitter& 
 void VeinGrowth::connect(std::size_t p) {
   const VeinInitial& initial = initial_of(p);
   std::uint32_t tip = strands_[p].innermost;
-  Rng rng(options_.seed, primordia_[p].id, kStrand);
+  Rng rng(options_.seed, primordia_[p].id, RandomPurpose::kVeinStrand);
   const Path path =
       find_path(network_.position[tip], params_.momentum * network_.momentum[tip], initial.strand_jitter, rng, nullptr);
   for (const Vec3 point : path.points) {
@@ -641,7 +633,7 @@ void VeinGrowth::reticulate_by_resistance(std::size_t p) {
     return;
   }
   const VeinInitial& initial = initial_of(p);
-  Rng rng(options_.seed, primordia_[p].id, kReticulation);
+  Rng rng(options_.seed, primordia_[p].id, RandomPurpose::kVeinReticulation);
   const Path path = find_path(from, {}, initial.strand_jitter, rng, &excluded);
   std::uint32_t below = path.found;
   for (auto point = path.points.rbegin(); point != path.points.rend(); ++point) {
@@ -661,7 +653,7 @@ void VeinGrowth::reticulate_by_neighbour(std::size_t p) {
   constexpr double kFreeShare = 0.6;  // of the distance, beyond which a second strand joins nothing else
   const VeinReticulation& rules = params_.reticulation;
   prepare_joinable();
-  Rng rng(options_.seed, primordia_[p].id, kReticulation);
+  Rng rng(options_.seed, primordia_[p].id, RandomPurpose::kVeinReticulation);
 
   // The point: a little deeper than the initial.
   const double depth = length(network_.momentum[strands_[p].surface]) * rng.uniform(1.05, 1.1);
@@ -777,7 +769,7 @@ void VeinGrowth::add_sources() {
     return;
   }
   constexpr int kMostRejections = 1000;
-  Rng rng(options_.seed, frame_, kSource);
+  Rng rng(options_.seed, frame_, RandomPurpose::kVeinSource);
   const Place place = place_on_outline(frame_, std::clamp(rules.s.at(time), 0.0, 1.0));
   VertexGrid grid;
   std::vector<std::uint32_t> all(sources_.size());
@@ -852,7 +844,7 @@ void VeinGrowth::colonise() {
     if (sum == Vec3{}) {
       continue;
     }
-    Rng rng(options_.seed, (static_cast<std::uint64_t>(frame_) << 32) | from, kColonisation);
+    Rng rng(options_.seed, (static_cast<std::uint64_t>(frame_) << 32) | from, RandomPurpose::kVeinColonisation);
     NewVertex vertex;
     vertex.position = network_.position[from] + step * deviated(normalized(sum), rules.jitter, rng);
     vertex.parent = from;

@@ -76,5 +76,6 @@ Command add_import(CLI::App& app);
 Command add_pattern(CLI::App& app);
 Command add_render(CLI::App& app);
 Command add_species(CLI::App& app);
+Command add_vasculature(CLI::App& app);
 
 }  // namespace anthesis::cli

@@ -1,19 +1,17 @@
-#include <algorithm>
 #include <array>
 #include <cctype>
 #include <filesystem>
 
-#include "anthesis/base/file.h"
 #include "anthesis/base/version.h"
 #include "anthesis/exchange/species_file.h"
 #include "anthesis/exchange/vlab_species.h"
 #include "outputs.h"
+#include "vlab_folder.h"
 
 namespace anthesis::cli {
 namespace {
 
 constexpr std::array<std::string_view, 1> kFormats = {"toml"};
-constexpr std::size_t kMostFiles = 1000;
 
 struct Arguments {
   std::string program;
@@ -22,30 +20,6 @@ struct Arguments {
   VlabScale scale;
   bool json = false;
 };
-
-/// The files of a folder that are about a flower head, in the order of their names.
-std::vector<VlabFile> files_of(const std::string& folder) {
-  std::error_code failed;
-  std::vector<std::filesystem::path> paths;
-  for (std::filesystem::directory_iterator entry(folder, failed), end; !failed && entry != end;
-       entry.increment(failed)) {
-    if (is_vlab_head_file(entry->path().filename().string())) {
-      paths.push_back(entry->path());
-    }
-    if (paths.size() > kMostFiles) {
-      throw failure({ErrorCode::kTooLarge, folder, "must hold at most 1000 files of VLab, got more"});
-    }
-  }
-  if (failed) {
-    throw failure({ErrorCode::kIo, folder, "cannot be read: " + failed.message()});
-  }
-  std::sort(paths.begin(), paths.end());
-  std::vector<VlabFile> files;
-  for (const std::filesystem::path& path : paths) {
-    files.push_back({path.filename().string(), value_of(read_file(path.string(), kVlabTextLimit))});
-  }
-  return files;
-}
 
 /// A species' name out of a folder's: letters, digits, - and _.
 std::string name_of(const std::string& folder) {
@@ -67,7 +41,8 @@ void run(const Arguments& arguments) {
     throw usage("say where to write: -o head.toml");
   }
   Report report;
-  const VlabObject object = report.time("read", [&] { return value_of(read_vlab_object(files_of(arguments.folder))); });
+  const VlabObject object =
+      report.time("read", [&] { return value_of(read_vlab_object(vlab_files_of(arguments.folder))); });
   const Species species = value_of(species_from_vlab(name_of(arguments.folder), object, arguments.scale));
   write_output(report, outputs[0].path, write_species(species));
   report.values["species"] = species.name;

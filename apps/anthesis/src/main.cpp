@@ -67,8 +67,8 @@ void run(int argc, char** argv, Console& console) {
       "  anthesis render sunflower -o sunflower.png --view side\n"
       "  anthesis species");
   app.get_formatter()->column_width(28);
-  const std::array<Command, 6> commands = {add_grow(app),    add_pattern(app), add_render(app),
-                                           add_species(app), add_check(app),   add_import(app)};
+  const std::array<Command, 7> commands = {add_grow(app),  add_pattern(app), add_render(app),     add_species(app),
+                                           add_check(app), add_import(app),  add_vasculature(app)};
   app.require_subcommand(1);
 
   if (argc > 1 && argv[1][0] != '-') {

@@ -18,6 +18,12 @@ enum class RandomPurpose : std::uint32_t {
   kLight,
   kSurface,
   kHair,
+  kVeinBirth = 64,
+  kVeinInitial = 65,
+  kVeinStrand = 66,
+  kVeinReticulation = 67,
+  kVeinSource = 68,
+  kVeinColonisation = 69,
   kTest = 1000,
 };
 
