@@ -4,6 +4,7 @@
 #include <limits>
 
 #include "anthesis/base/parallel.h"
+#include "anthesis/exchange/harmonic_fields.h"
 #include "anthesis/phyllotaxis/active_ring.h"
 #include "anthesis/receptacle/contour_sequence.h"
 #include "full_scan.h"
@@ -119,6 +120,71 @@ void BM_ContourSequenceStepByStep(benchmark::State& state) {
   }
 }
 BENCHMARK(BM_ContourSequenceStepByStep)->Arg(-1)->Unit(benchmark::kMillisecond)->Iterations(1);
+
+/// All 219,186 harmonic fields of the sunflower as the bytes of a `.raw` file, on meshes of different density.
+void BM_HarmonicFields(benchmark::State& state, int threads) {
+  if (!ready(state)) {
+    return;
+  }
+  const GrowingReceptacle head(sunflower(), SectionLookup::kAsPublished);
+  const SectionSequence sections = with_base(sample_contours(head, frame_times()));
+  const ThreadLimit limit(threads);
+  double bytes = 0.0;
+  for (auto _ : state) {
+    bytes = 0.0;
+    const auto growth =
+        InteriorGrowth::make(sections, {.mesh = {.max_edge = 1.0 / static_cast<double>(-state.range(0))}});
+    (void)write_harmonic_fields(*growth, [&](std::string_view piece) -> std::optional<Error> {
+      bytes += static_cast<double>(piece.size());
+      return std::nullopt;
+    });
+  }
+  state.SetLabel("edges 1/" + std::to_string(-state.range(0)));
+  state.counters["megabytes"] = bytes * 1e-6;
+}
+BENCHMARK_CAPTURE(BM_HarmonicFields, one_thread, 1)
+    ->Arg(-4)
+    ->Arg(-8)
+    ->Arg(-16)
+    ->MeasureProcessCPUTime()
+    ->UseRealTime()
+    ->Unit(benchmark::kMillisecond);
+BENCHMARK_CAPTURE(BM_HarmonicFields, all_threads, 0)
+    ->Arg(-4)
+    ->Arg(-8)
+    ->Arg(-16)
+    ->MeasureProcessCPUTime()
+    ->UseRealTime()
+    ->Unit(benchmark::kMillisecond);
+
+/// Baseline: all frames in memory as cages, then one string of them.
+void BM_HarmonicFieldsInMemory(benchmark::State& state) {
+  if (!ready(state)) {
+    return;
+  }
+  const GrowingReceptacle head(sunflower(), SectionLookup::kAsPublished);
+  const SectionSequence sections = with_base(sample_contours(head, frame_times()));
+  for (auto _ : state) {
+    const auto growth = InteriorGrowth::make(sections, {.mesh = kVlabSectionMesh});
+    std::vector<VlabCage> cages;
+    (void)growth->weights([&](const HarmonicFrame& frame) {
+      VlabCage& cage = cages.emplace_back();
+      for (const Vec2 p : frame.mesh.points) {
+        cage.vertices.push_back({static_cast<float>(p.x), static_cast<float>(p.y)});
+      }
+      cage.triangles.assign(frame.mesh.triangles.begin(), frame.mesh.triangles.end());
+      for (const Vec2 p : frame.controls) {
+        cage.controls.push_back({static_cast<float>(p.x), static_cast<float>(p.y)});
+      }
+      for (const double weight : frame.weights) {
+        cage.weights.push_back(static_cast<float>(weight));
+      }
+      return true;
+    });
+    benchmark::DoNotOptimize(write_vlab_cages(cages));
+  }
+}
+BENCHMARK(BM_HarmonicFieldsInMemory)->Arg(-4)->MeasureProcessCPUTime()->UseRealTime()->Unit(benchmark::kMillisecond);
 
 /// Making the tables of a head.
 void BM_GrowingReceptacle(benchmark::State& state, SectionLookup lookup) {

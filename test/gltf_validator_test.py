@@ -25,6 +25,10 @@ class GltfValidator(ProgramTest):
                                 "translucent": ["--diffuse-transmission", "--frames", "2"]}.items():
                 files.append(self.path(f"{name}-{kind}.glb"))
                 self.expect(DONE, "grow", scene(name), "-o", files[-1], *flags)
+        files.append(self.path("veins.glb"))
+        self.expect(DONE, "vasculature", scene("cap_head"), "-o", files[-1])
+        files.append(self.path("veins-growing.glb"))
+        self.expect(DONE, "vasculature", scene("cap_head"), "-o", files[-1], "--frames", "4")
         process = subprocess.run(["node", os.path.join(JUDGES, "validate.mjs"), *files], capture_output=True, text=True,
                                  check=False)
         print(process.stdout)

@@ -102,7 +102,7 @@ class Mistakes(ProgramTest):
 
     def test_words_are_checked_and_named(self):
         self.expect(USAGE, "render", "sunflower", "-o", "a.png", "--view", "up",
-                    message="--view must be top, side, front or three-quarter, got up")
+                    message="--view must be top, bottom, side, front or three-quarter, got up")
         self.expect(USAGE, "render", "sunflower", "-o", "a.png", "--quality", "best",
                     message="--quality must be draft or final, got best")
         self.expect(USAGE, "render", "sunflower", "-o", "a.png", "--backdrop", "red",

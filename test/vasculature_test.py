@@ -1,5 +1,6 @@
 """anthesis vasculature: veins of a digitised head, and the files they go into."""
 import csv
+import hashlib
 import json
 import os
 
@@ -22,6 +23,10 @@ def function(name, values):
     return f"fver 1 1\nname: {name}\nsamples: 100\nflip: off\npoints: {len(values)}\n{points}"
 
 
+def png_size(data):
+    return int.from_bytes(data[16:20], "big"), int.from_bytes(data[20:24], "big")
+
+
 class Vasculature(ProgramTest):
     def setUp(self):
         super().setUp()
@@ -42,8 +47,8 @@ class Vasculature(ProgramTest):
     def test_a_head_of_ones_own_gets_veins(self):
         names = ["veins.csv", "veins.swc", "veins.ply", "primordia.csv", "measures.csv"]
         outputs = [word for name in names for word in ("-o", name)]
-        report = json.loads(self.expect(DONE, "vasculature", "cap", "--parameters", "bellis", "--bract-landmark", "1",
-                                        "--json", *outputs).out)
+        report = json.loads(self.expect(DONE, "vasculature", "cap", "--like", "bellis", "--with",
+                                        "head.active_ring.bract_landmark=1", "--json", *outputs).out)
         self.assertEqual(report["unconnected"], 0)
         count = sum(report["primordia"].values())
         self.assertGreater(count, 15)
@@ -63,7 +68,7 @@ class Vasculature(ProgramTest):
         self.assertTrue(self.content("veins.ply").startswith(b"ply\n"))
 
     def test_primordia_may_come_from_a_file_of_the_folder(self):
-        for flags in ([], ["--mean-value"], ["--set", "paper"], ["--clock", "consistent"], ["--as-published"]):
+        for flags in ([], ["--mean-value"], ["--source", "paper"], ["--clock", "consistent"], ["--as-published"]):
             report = json.loads(self.expect(DONE, "vasculature", "cap", "--primordia", "few.prims", "--json",
                                             *flags).out)
             self.assertEqual(report["primordia"], {"bract": 1, "floret": 2}, flags)
@@ -78,29 +83,123 @@ class Vasculature(ProgramTest):
             self.assertEqual(self.content("a" + ending), self.content("b" + ending))
             self.assertNotEqual(self.content("a" + ending), self.content("c" + ending))
 
+    def test_a_folder_becomes_a_species_that_runs(self):
+        self.expect(DONE, "import", "vlab", "cap", "--like", "sunflower", "-o", "head.toml")
+        of_folder = json.loads(self.expect(DONE, "vasculature", "cap", "--json").out)
+        of_file = json.loads(self.expect(DONE, "vasculature", "head.toml", "--json").out)
+        for key in ("primordia", "vertices", "ring_vertices_used", "total_length_mm"):
+            self.assertEqual(of_folder[key], of_file[key])
+        organs = json.loads(self.expect(DONE, "grow", "head.toml", "-o", "head.csv", "--json").out)["organs"]
+        self.assertEqual(organs["floret"], of_file["primordia"]["floret"])
+
+    def test_pictures_and_models_over_the_development(self):
+        outputs = ["-o", "growing.glb", "-o", "growing.png"]
+        report = json.loads(self.expect(DONE, "vasculature", "cap", "--frames", "3", "--size", "64", "--quality", "draft",
+                                        "--json", *outputs).out)
+        names = [os.path.basename(output["path"]) for output in report["outputs"]]
+        self.assertEqual(names, ["growing.glb", "growing_0000.png", "growing_0001.png", "growing_0002.png"])
+        self.assertIn(b'"development"', self.content("growing.glb"))
+        self.assertNotEqual(self.content("growing_0001.png"), self.content("growing_0002.png"))
+        self.expect(DONE, "vasculature", "cap", "--frames", "3", "--columns", "2", "--size", "64", "--quality", "draft",
+                    "-o", "sheet.png")
+        self.assertEqual(png_size(self.content("sheet.png")), (128, 128))
+        for flags in (["--cut", "half"], ["--cut", "slice", "--view", "side"], ["--view", "bottom"], ["--no-receptacle"],
+                      ["--scale-bar"], ["--show-primordia"], ["--at", "0.5"]):
+            self.expect(DONE, "vasculature", "cap", "--size", "64", "--quality", "draft", "-o", "one.png", *flags)
+            self.assertNotEqual(self.content("one.png"), self.content("growing_0002.png"), flags)
+
+    def test_the_young_head_has_fewer_veins(self):
+        counts = [json.loads(self.expect(DONE, "vasculature", "cap", "--at", at, "--json").out)["vertices"]
+                  for at in ("0.2", "0.6", "1")]
+        self.assertLess(counts[0], counts[1])
+        self.assertLess(counts[1], counts[2])
+
+    def test_the_section_is_drawn(self):
+        self.expect(DONE, "vasculature", "cap", "-o", "section.svg", "-o", "growth.svg", "-o", "displacement.svg",
+                    "--control", "3", "--control", "5")
+        texts = [self.content(name).decode() for name in ("section.svg", "growth.svg", "displacement.svg")]
+        for text in texts:
+            self.assertTrue(text.rstrip().endswith("</svg>"))
+        self.assertIn("control point 3", texts[0])
+        self.assertNotIn("control point 4", texts[0])
+        self.expect(BAD_DATA, "vasculature", "cap", "-o", "section.svg", "--control", "9999")
+
+    def test_vlab_can_go_on_with_it(self):
+        report = json.loads(self.expect(DONE, "vasculature", "cap", "-o", "head.cntrs", "-o", "head_stable.prims", "-o",
+                                        "head_final.prims", "--weights", "head.raw", "--json").out)
+        count = sum(report["primordia"].values())
+        stable = self.content("head_stable.prims").decode().split("\n")
+        self.assertEqual(int(stable[0]), count)
+        self.assertEqual(len([line for line in stable[1:] if line]), count)
+        frames, points = (int(line) for line in self.content("head.cntrs").split()[:2])
+        raw = self.content("head.raw")
+        self.assertEqual(int.from_bytes(raw[:4], "little"), frames)
+        self.assertEqual(report["outputs"][-1]["sha256"], hashlib.sha256(raw).hexdigest())
+        self.assertGreater(points, 5)
+        # What was written can be read: the head's own primordia as a file.
+        again = json.loads(self.expect(DONE, "vasculature", "cap", "--primordia", "head_stable.prims", "--json").out)
+        self.assertEqual(again["primordia"], report["primordia"])
+        self.assertLess(abs(again["vertices"] - report["vertices"]), 0.1 * report["vertices"])
+
+    def test_numbers_vary_over_a_range(self):
+        self.expect(DONE, "vasculature", "cap", "--primordia", "few.prims", "--vary", "mu_sec=0:1:0.5", "--vary",
+                    "ring_vertices=10:20:10", "-o", "table.csv", "-o", "sheet.png", "--size", "48", "--quality", "draft")
+        rows = self.rows("table.csv")
+        self.assertEqual([(row["mu_sec"], row["ring_vertices"]) for row in rows],
+                         [(a, b) for a in ("0", "0.5", "1") for b in ("10", "20")])
+        self.assertTrue(all(int(row["vertices"]) > 10 for row in rows))
+        self.assertTrue(all(row["connected"] == "3" for row in rows))
+        self.assertEqual(png_size(self.content("sheet.png")), (96, 144))
+        one = json.loads(self.expect(DONE, "vasculature", "cap", "--primordia", "few.prims", "--with", "mu_sec=0.5",
+                                     "--with", "ring_vertices=20", "--json").out)
+        self.assertEqual(str(one["vertices"]), rows[3]["vertices"])
+        for words, message in (
+                (["--vary", "mu_sec=0:1"], "--vary must be KEY=FROM:TO:STEP, got mu_sec=0:1"),
+                (["--vary", "mu_sec=1:0:0.1"], "--vary must go up from FROM to TO by a STEP > 0, got mu_sec=1:0:0.1"),
+                (["--vary", "mu_sec=0:1:0.5", "-o", "a.glb"], "-o must end in .csv or .png, got a.glb"),
+                (["--vary", "mu_sec=0:1:0.0001"], "--vary must give at most 1000 values, got mu_sec=0:1:0.0001"),
+                (["--vary", "mu_sec=0:1:0.5", "--frames", "3"], "--vary goes with neither --frames nor --weights")):
+            self.expect(USAGE, "vasculature", "cap", *words, message=message)
+
+    def test_any_number_of_the_species_can_be_changed(self):
+        one = json.loads(self.expect(DONE, "vasculature", "cap", "--with", "ring_vertices=3", "--with",
+                                     "head.active_ring.threshold_frozen_above=5", "--json").out)
+        self.assertLessEqual(one["ring_vertices_used"], 3)
+        self.expect(USAGE, "vasculature", "cap", "--with", "mu_sek=1",
+                    message="--with: vasculature.mu_sek is not known")
+        self.expect(USAGE, "vasculature", "cap", "--with", "mu_sec=-1",
+                    message="--with: vasculature.sector_weight must be in [0, 1e+06], got -1")
+        self.expect(USAGE, "vasculature", "cap", "--with", "mu_sec", message="--with must be KEY=NUMBER, got mu_sec")
+
     def test_what_is_wrong_is_said(self):
-        self.expect(USAGE, "vasculature", "cap", "--parameters", "rose",
-                    message="--parameters must be bellis, sunflower or gerbera, got rose")
-        self.expect(USAGE, "vasculature", "cap", "--set", "text",
-                    message="--set must be as-published or paper, got text")
+        self.expect(USAGE, "vasculature", "cap", "--like", "rose",
+                    message="--like must be bellis, sunflower or gerbera, got rose")
+        self.expect(USAGE, "vasculature", "cap", "--source", "text",
+                    message="--source must be paper or as_published, got text")
         self.expect(USAGE, "vasculature", "cap", "-o", "veins.obj",
-                    message="-o must end in .csv, .swc or .ply, got veins.obj")
-        self.expect(BAD_DATA, "vasculature", "cap",
-                    message="bract_landmark must be one of the profile's 1, got 8")
+                    message="-o must end in .csv, .swc, .ply, .glb, .png, .svg, .prims or .cntrs, got veins.obj")
+        self.expect(USAGE, "vasculature", "cap", "-o", "veins.png", "--cut", "thin",
+                    message="--cut must be whole, half or slice, got thin")
+        self.expect(USAGE, "vasculature", "cap", "--at", "0.5", "--frames", "3",
+                    message="--at is for one time and --frames for several: give one of them")
+        self.expect(USAGE, "vasculature", "cap", "--primordia", "few.prims", "-o", "a.prims",
+                    message="a .prims file is of primordia that grow on the head: leave --primordia out")
+        self.expect(USAGE, "vasculature", "daisy", "--like", "bellis",
+                    message="--like is for a FOLDER; a species file states its own")
+        self.expect(BAD_DATA, "vasculature", "daisy", message="daisy must have a table [vasculature], as sunflower-head has")
         self.expect(IO_FAILED, "vasculature", "cap", "--primordia", "none.prims")
         os.remove(self.path("cap/functions.fset"))
         self.expect(BAD_DATA, "vasculature", "cap",
-                    message="cap must have a function thresholdDistanceFunc, or say where primordia are: "
-                            "--primordia FILE")
+                    message="functions must hold one named thresholdDistanceFunc, got none")
         os.remove(self.path("cap/stages.cset"))
-        self.expect(BAD_DATA, "vasculature", "cap", "--primordia", "few.prims",
-                    message="contours must have at least 3 stages with markers, got 0")
+        self.expect(BAD_DATA, "vasculature", "cap",
+                    message="contours must come with a .con or .cset file, got none")
 
     def test_bellis_is_the_published_head(self):
         folder = os.path.join(REFERENCE, "heads", "bellis")
         if not os.path.isdir(folder):
             self.skipTest("no reference data")
-        report = json.loads(self.expect(DONE, "vasculature", folder, "--parameters", "bellis", "--primordia",
+        report = json.loads(self.expect(DONE, "vasculature", folder, "--by-id", "--primordia",
                                         os.path.join("vasculature", "bellis_stable.prims"), "--json").out)
         self.assertEqual(report["primordia"], {"bract": 28, "floret": 392})
         self.assertLess(abs(report["vertices"] - 14172), 0.02 * 14172)

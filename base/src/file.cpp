@@ -85,41 +85,94 @@ Expected<std::string> read_file(const std::string& path, std::size_t limit) {
   }
 }
 
-std::optional<Error> write_file(const std::string& path, std::string_view bytes) {
+struct FileWriter::State {
+  std::string path;
+  std::string temporary;  ///< empty where the path is written to directly
+  Descriptor file{-1};
+
+  ~State() { discard(); }
+
+  void discard() {
+    file.close_now();
+    if (!temporary.empty()) {
+      ::unlink(temporary.c_str());
+      temporary.clear();
+    }
+  }
+
+  Error failed() {
+    const Error error = io_error(path, "write");  // before errno is another call's
+    discard();
+    return error;
+  }
+};
+
+FileWriter::FileWriter(std::unique_ptr<State> state) : state_(std::move(state)) {}
+FileWriter::FileWriter(FileWriter&&) noexcept = default;
+FileWriter& FileWriter::operator=(FileWriter&&) noexcept = default;
+FileWriter::~FileWriter() = default;
+
+Expected<FileWriter> FileWriter::create(const std::string& path) {
+  auto state = std::make_unique<State>();
+  state->path = path;
   struct stat status {};
   const bool exists = ::stat(path.c_str(), &status) == 0;
   if (exists && S_ISDIR(status.st_mode)) {
     errno = EISDIR;
-    return io_error(path, "write");
+    return unexpected(io_error(path, "write"));
   }
   if (exists && !S_ISREG(status.st_mode)) {
     // Renaming over a device would replace it, and a pipe has a reader who waits for these bytes.
-    Descriptor device(::open(path.c_str(), O_WRONLY | O_CLOEXEC));
-    if (device.value < 0 || !write_all(device.value, bytes) || device.close_now() != 0) {
-      return io_error(path, "write");
+    state->file.value = ::open(path.c_str(), O_WRONLY | O_CLOEXEC);
+  } else {
+    static std::atomic<unsigned> counter = 0;
+    std::string temporary = path + "." + std::to_string(::getpid()) + "-" + std::to_string(counter++) + ".part";
+    const mode_t mode = exists ? (status.st_mode & 0777) : 0666;
+    state->file.value = ::open(temporary.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, mode);
+    if (state->file.value >= 0) {
+      state->temporary = std::move(temporary);
     }
-    return std::nullopt;
   }
+  if (state->file.value < 0) {
+    return unexpected(io_error(path, "write"));
+  }
+  return FileWriter(std::move(state));
+}
 
-  static std::atomic<unsigned> counter = 0;
-  const std::string temporary = path + "." + std::to_string(::getpid()) + "-" + std::to_string(counter++) + ".part";
-  const mode_t mode = exists ? (status.st_mode & 0777) : 0666;
-  Descriptor file(::open(temporary.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, mode));
-  if (file.value < 0) {
-    return io_error(path, "write");
-  }
-  if (!write_all(file.value, bytes) || ::fsync(file.value) != 0 || file.close_now() != 0 ||
-      ::rename(temporary.c_str(), path.c_str()) != 0) {
-    const Error error = io_error(path, "write");
-    ::unlink(temporary.c_str());
-    return error;
-  }
-  // The name must survive a power cut too. Some file systems refuse fsync on folders; the file itself is safe by now.
-  const Descriptor folder(::open(folder_of(path).c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC));
-  if (folder.value >= 0) {
-    ::fsync(folder.value);
+std::optional<Error> FileWriter::write(std::string_view bytes) {
+  if (!write_all(state_->file.value, bytes)) {
+    return state_->failed();
   }
   return std::nullopt;
+}
+
+std::optional<Error> FileWriter::finish() {
+  State& state = *state_;
+  const bool is_direct = state.temporary.empty();
+  if ((!is_direct && ::fsync(state.file.value) != 0) || state.file.close_now() != 0 ||
+      (!is_direct && ::rename(state.temporary.c_str(), state.path.c_str()) != 0)) {
+    return state.failed();
+  }
+  state.temporary.clear();
+  if (!is_direct) {
+    // The name must survive a power cut too. Some file systems refuse fsync on folders; the file itself is safe by now.
+    const Descriptor folder(::open(folder_of(state.path).c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC));
+    if (folder.value >= 0) {
+      ::fsync(folder.value);
+    }
+  }
+  return std::nullopt;
+}
+
+std::optional<Error> write_file(const std::string& path, std::string_view bytes) {
+  Expected<FileWriter> file = FileWriter::create(path);
+  if (!file) {
+    return std::move(file.error());
+  }
+  if (std::optional<Error> error = file->write(bytes)) {
+    return error;
+  }
+  return file->finish();
 }
 
 }  // namespace anthesis

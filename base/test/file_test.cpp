@@ -35,6 +35,26 @@ TEST_F(FileTest, WritesWhatIsReadBackAndLeavesNoTemporaryFile) {
   EXPECT_EQ(entries(), 1u);
 }
 
+TEST_F(FileTest, AFileWrittenInPiecesAppearsOnlyWhenItIsFinished) {
+  EXPECT_FALSE(write_file(path("x"), "old"));
+  {
+    Expected<FileWriter> writer = FileWriter::create(path("x"));
+    ASSERT_TRUE(writer);
+    EXPECT_FALSE(writer->write("first, "));
+    EXPECT_EQ(*read_file(path("x"), 100), "old");
+    EXPECT_FALSE(writer->write("second"));
+    EXPECT_FALSE(writer->finish());
+    EXPECT_EQ(*read_file(path("x"), 100), "first, second");
+  }
+  {
+    Expected<FileWriter> given_up = FileWriter::create(path("x"));
+    ASSERT_TRUE(given_up);
+    EXPECT_FALSE(given_up->write("half"));
+  }
+  EXPECT_EQ(*read_file(path("x"), 100), "first, second");
+  EXPECT_EQ(entries(), 1u);
+}
+
 TEST_F(FileTest, AFullDiskIsAnErrorAndTheDeviceStays) {
   const auto error = write_file("/dev/full", "x");
   ASSERT_TRUE(error);

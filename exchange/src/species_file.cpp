@@ -210,7 +210,7 @@ bool read_points(Document& document, const toml::node& node, std::string_view pa
     }
     points.push_back(point);
   }
-  if (rule.ascending && points.front().x == points.back().x) {
+  if (rule.ascending && !rule.one_is_enough && points.front().x == points.back().x) {
     document.refuse(node, path, "must span a range: the first and the last point must differ in x");
     return false;
   }
@@ -271,6 +271,7 @@ struct KeyList {
   template <class... R> void vector(const char* key, R&&...) { add(key); }
   template <class... R> void flag(const char* key, R&&...) { add(key); }
   template <class... R> void range(const char* key, R&&...) { add(key); }
+  template <class... R> void whole_range(const char* key, R&&...) { add(key); }
   template <class... R> void numbers(const char* key, R&&...) { add(key); }
   template <class... R> void points(const char* key, R&&...) { add(key); }
   template <class... R> void colour(const char* key, R&&...) { add(key); }
@@ -280,6 +281,7 @@ struct KeyList {
   template <class... R> void list(const char* key, R&&...) { add(key); }
   template <class... R> void named(const char* key, R&&...) { add(key); }
   template <class... R> void sections(const char* one, const char* many, R&&...) { add(one), add(many); }
+  template <class... R> void preset(const char* like, const char* source, R&&...) { add(like), add(source); }
   // clang-format on
 };
 
@@ -347,21 +349,21 @@ class TableReader {
 
   template <class Member>
   void choice(const char* key, Member member, Choices choices, const char*) {
-    if (const toml::node* node = find(key, Need::kOptional)) {
-      const auto* value = node->as_string();
-      const auto chosen = std::find_if(choices.begin(), choices.end(),
-                                       [&](const char* choice) { return value != nullptr && value->get() == choice; });
-      if (chosen == choices.end()) {
-        std::string rule = "must be one of";
-        for (const char* choice : choices) {
-          rule += (choice == choices[0] ? " \"" : ", \"");
-          rule += choice;
-          rule += '"';
-        }
-        return document_.refuse(*node, where(key), rule);
-      }
+    if (const auto chosen = chosen_of(key, choices)) {
       auto& field = std::invoke(member, object_);
-      field = static_cast<std::remove_cvref_t<decltype(field)>>(chosen - choices.begin());
+      field = static_cast<std::remove_cvref_t<decltype(field)>>(*chosen);
+    }
+  }
+
+  /// Comes before the other keys of its table, which then change single parameters.
+  void preset(const char* like, const char* source, const char*) {
+    const auto model = chosen_of(like, species_table::kVeinModels);
+    const auto from = chosen_of(source, species_table::kVeinSources);
+    if (model) {
+      constexpr VeinParams (*kModels[])(VeinSource) = {bellis_veins, sunflower_veins, gerbera_veins};
+      object_.params = kModels[*model](from ? static_cast<VeinSource>(*from) : VeinSource::kAsPublished);
+    } else if (from) {
+      document_.refuse(*table_.get(source), where(source), "must come with \"like\"");
     }
   }
 
@@ -409,6 +411,21 @@ class TableReader {
                                 "must be at least the lowest value " + to_text(result[0]));
       }
       std::invoke(member, object_) = result;
+    }
+  }
+
+  template <class Member>
+  void whole_range(const char* key, Member member, int min, int max, const char*) {
+    if (const toml::node* node = find(key, Need::kOptional)) {
+      const toml::array* pair = node->as_array();
+      const auto* low = pair == nullptr || pair->size() != 2 ? nullptr : pair->get(0)->as_integer();
+      const auto* high = low == nullptr ? nullptr : pair->get(1)->as_integer();
+      if (high == nullptr || low->get() < min || high->get() > max || high->get() < low->get()) {
+        return document_.refuse(*node, where(key),
+                                "must be two whole numbers [lowest, highest] in [" + std::to_string(min) + ", " +
+                                    std::to_string(max) + "]");
+      }
+      std::invoke(member, object_) = {static_cast<int>(low->get()), static_cast<int>(high->get())};
     }
   }
 
@@ -581,6 +598,28 @@ class TableReader {
  private:
   std::string where(std::string_view key) const {
     return path_.empty() ? std::string(key) : path_ + '.' + std::string(key);
+  }
+
+  /// The number of the choice that `key` names; none if it is absent or wrong.
+  std::optional<std::size_t> chosen_of(const char* key, Choices choices) {
+    const toml::node* node = find(key, Need::kOptional);
+    if (node == nullptr) {
+      return std::nullopt;
+    }
+    const auto* value = node->as_string();
+    for (std::size_t i = 0; i < choices.size() && value != nullptr; ++i) {
+      if (value->get() == choices[i]) {
+        return i;
+      }
+    }
+    std::string rule = "must be one of";
+    for (std::size_t i = 0; i < choices.size(); ++i) {
+      rule += (i == 0 ? " \"" : ", \"");
+      rule += choices[i];
+      rule += '"';
+    }
+    document_.refuse(*node, where(key), rule);
+    return std::nullopt;
   }
 
   /// The value of `key`; null if it is absent (an error where it is needed) or an error was found before.

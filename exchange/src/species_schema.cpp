@@ -92,6 +92,16 @@ class SchemaWriter {
     put(key, schema_pair(schema_number(limits), schema_number(limits)), meaning, Need::kOptional, member);
   }
   template <class Member>
+  void whole_range(const char* key, Member member, int min, int max, const char* meaning) {
+    const Json number = {{"type", "integer"}, {"minimum", min}, {"maximum", max}};
+    put(key, schema_pair(number, number), meaning, Need::kOptional, member);
+  }
+  void preset(const char* like, const char* source, const std::string& meaning) {
+    put(like, {{"type", "string"}, {"enum", species_table::kVeinModels}}, meaning, Need::kOptional);
+    put(source, {{"type", "string"}, {"enum", species_table::kVeinSources}, {"default", "as_published"}}, meaning,
+        Need::kOptional);
+  }
+  template <class Member>
   void numbers(const char* key, Member, const Limits& limits, Count count, const char* meaning,
                Need need = Need::kOptional) {
     put(key, schema_list(schema_number(limits), count), meaning, need);

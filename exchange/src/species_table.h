@@ -4,6 +4,7 @@
 // (species_writer.cpp). A member is a pointer to member, or a function from the object to a part of it.
 #include <array>
 #include <cstddef>
+#include <functional>
 #include <limits>
 #include <span>
 #include <string>
@@ -61,6 +62,7 @@ struct PointsRule {
   Limits y;
   bool ascending = false;
   Count count = kPoints;
+  bool one_is_enough = false;  ///< else an ascending list must span a range
 };
 constexpr PointsRule function_of(Limits x, Limits y) {
   return {x, y, true};
@@ -68,10 +70,26 @@ constexpr PointsRule function_of(Limits x, Limits y) {
 constexpr PointsRule curve(Limits x, Limits y) {
   return {x, y, false};
 }
+constexpr PointsRule course_of(Limits y) {
+  return {{0.0, 1.0}, y, true, {1, 256}, true};
+}
 
 /// The values of an enumeration, in its order, as a file names them.
 using Choices = std::span<const char* const>;
-inline constexpr std::array kPlacementRules = {"centripetal", "divergent", "segregation", "ridley", "collision"};
+inline constexpr std::array kPlacementRules = {"centripetal", "divergent", "segregation",
+                                               "ridley",      "collision", "active_ring"};
+inline constexpr std::array kVeinClocks = {"consistent", "published"};
+inline constexpr std::array kHeadInsides = {"harmonic", "mean_value"};
+inline constexpr std::array kVeinKinds = {"floret", "abaxial", "adaxial"};
+inline constexpr std::array kSectorRules = {"squared_distance", "fourth_power"};
+inline constexpr std::array kJoinRules = {"there", "below", "forward"};
+inline constexpr std::array kDeviationRules = {"uniform", "projected"};
+inline constexpr std::array kReticulationRules = {"none", "least_resistance", "oldest_neighbour"};
+inline constexpr std::array kDiameterRules = {"murray", "murray_by_kind"};
+
+/// Whose parameters a table of veins begins with.
+inline constexpr std::array kVeinModels = {"bellis", "sunflower", "gerbera"};
+inline constexpr std::array kVeinSources = {"paper", "as_published"};
 
 enum class Need { kOptional, kRequired };
 enum class Layout { kOwnTable, kInline };  ///< [head.fate] or variation = { ... }
@@ -118,6 +136,43 @@ void describe(V& v, Table<FateRule>) {
 }
 
 template <class V>
+void describe(V& v, Table<HeadSection>) {
+  using T = HeadSection;
+  v.points("points", &T::points, curve(kLength, kOffset),
+           "Half section from apex to base: control points [radius, height] of a B-spline, in mm.", Need::kRequired);
+  v.numbers("landmarks", &T::landmarks, kUnit, Count{0, 256},
+            "Positions of the same places of the tissue on all sections, from the base inwards: 0 apex, 1 base.");
+  v.number("ring", &T::ring, kUnit, "Position of the active ring: 0 apex, 1 base.", Need::kRequired);
+}
+
+template <class V>
+void describe(V& v, Table<ActiveRing>) {
+  using T = ActiveRing;
+  v.name("floret", &T::floret, NameOf::kOrgan, "Kind of the organs inside the landmarks.", Need::kRequired);
+  v.name("bract", &T::bract, NameOf::kOrgan, "Kind of the organs outside the bract landmark.");
+  v.integer("bract_landmark", &T::bract_landmark, 0, 256, "Number of the landmark, 1 outermost; 0: no bracts.");
+  v.name("trans_floret", &T::trans_floret, NameOf::kOrgan, "Kind of the organs between the two landmarks.");
+  v.integer("trans_landmark", &T::trans_landmark, 0, 256, "Number of the landmark, 1 outermost; 0: no trans florets.");
+  v.points("threshold_mm", &T::threshold_mm, function_of(kUnit, above(0.0, 10000.0)),
+           "Least distance of a new primordium to all others against time: control points [time, mm].",
+           Need::kRequired);
+  v.integer("threshold_frozen_above", &T::threshold_frozen_above, 0, 100000,
+            "The least distance stays what it is with more primordia than this; 0: never.");
+  v.number("relaxation", &T::relaxation, within(0.0, 10000.0),
+           "Rate at which the youngest primordia move sideways to that distance.");
+  v.number("mobile_zone", &T::mobile_zone, above(0.0, 100.0),
+           "They may move as long as their position is below so many times the ring's.");
+  v.number("last_ring", &T::last_ring, kUnit, "No more primordia once the ring's position is at or below this.");
+  v.number("lag", &T::lag, within(0.0, 0.1),
+           "How much nearer to the apex a primordium stands than where it arose, in shares of all tissue.");
+  v.number("first_azimuth_deg", &T::first_azimuth_deg, within(0.0, 360.0), "Of the first primordium, in degrees.");
+  v.numbers("knots", &T::knots, kUnit, Count{0, 103},
+            "When the sections are: knots of the quadratic B-spline in time that blends them, three more than "
+            "sections, the first three 0, the last three 1; left out, equally spaced.");
+  v.list("sections", &T::sections, Count{3, 100}, "The head at stages of its growth, youngest first.", Need::kRequired);
+}
+
+template <class V>
 void describe(V& v, Table<Head>) {
   using T = Head;
   v.choice(
@@ -125,11 +180,13 @@ void describe(V& v, Table<Head>) {
       "How organs find their places. A growing meristem is covered: centripetal, from its rim inwards; divergent, "
       "from a line between its middle and its rim both ways; segregation, it gives off an organ whenever it is large "
       "enough. On a receptacle of given size: ridley, bands of given areas; collision, spheres of given radii that "
-      "roll up from the base until they touch.");
+      "roll up from the base until they touch; active_ring, wherever there is room on the active ring of a growing "
+      "head.");
   v.number("divergence_deg", &T::divergence_deg, between(-360.0, 360.0),
            "Angle from one organ to the next, in degrees, counter-clockwise seen from above. The golden angle is "
            "137.50776405003785.");
-  v.number("interval", &T::interval, above(0.0, 1.0), "Developmental time between two organs; not for segregation.");
+  v.number("interval", &T::interval, above(0.0, 1.0),
+           "Developmental time between two organs; not for segregation and active_ring.");
   v.number("height_mm", &T::height_mm, kOffset,
            "Of a head that an organ carries: where it stands on the organ's axis, in mm.");
   v.number("meristem_area_mm2", &T::meristem_area_mm2, kArea,
@@ -149,7 +206,8 @@ void describe(V& v, Table<Head>) {
   v.number("threshold_area_mm2", &T::threshold_area_mm2, kArea,
            "Segregation: area of the naked middle at which it gives off an organ, in square mm.");
   v.points("area_mm2", &T::area_mm2, function_of(kUnit, kArea),
-           "All rules but collision: mature area of an organ against its position at birth: control points [position, "
+           "All rules but collision and active_ring: mature area of an organ against its position at birth: control "
+           "points [position, "
            "square mm]; 0 apex, 1 base.");
   v.points("growth", &T::growth, function_of(kUnit, kFactor),
            "Given size: factor of the receptacle's size against time: control points [time, factor].");
@@ -162,10 +220,11 @@ void describe(V& v, Table<Head>) {
   v.flag("bezier", &T::bezier,
          "Given size: outlines are cubic Bezier curves, end to end, of 3 n + 1 points; otherwise one B-spline.");
   v.name("receptacle_pigment", &T::receptacle_pigment, NameOf::kPigment, "Pigment of the naked receptacle.");
-  v.list("receptacle", &T::receptacle, Count{1, 32}, "Outline of the receptacle at key times, at least one.",
-         Need::kRequired);
-  v.list("zones", &T::zones, Count{1, 64},
-         "What grows where: zones that cover positions 0 to 1 without gap or overlap.", Need::kRequired);
+  v.list("receptacle", &T::receptacle, Count{0, 32},
+         "Outline of the receptacle at key times, at least one; none for active_ring.");
+  v.list("zones", &T::zones, Count{0, 64},
+         "What grows where: zones that cover positions 0 to 1 without gap or overlap; none for active_ring.");
+  v.option("active_ring", &T::active_ring, "Rule active_ring: the growing head and how primordia keep apart on it.");
   v.option("fate", &T::fate, "Florets with room become another kind (rays at the rim): the cone rule.");
 }
 
@@ -364,6 +423,142 @@ void describe(V& v, Table<Pigment>) {
 }
 
 template <class V>
+void describe(V& v, Table<VeinJitter>) {
+  using T = VeinJitter;
+  v.number("probability", &T::probability, kUnit, "That a step deviates (eta).");
+  v.number("strength", &T::strength, kFactor, "Of a deviation, in steps (gamma).");
+}
+
+inline constexpr Limits kAnyPositive = within(0.0, 1e6);
+inline constexpr Limits kVeinLength = above(0.0, 1e6);
+
+template <class V>
+void describe(V& v, Table<VeinInitial>) {
+  using T = VeinInitial;
+  v.number("depth_mm", &T::depth_mm, kVeinLength, "Depth to which the strand begins straight into the head.");
+  v.flag("depth_follows_course", &T::depth_follows_course, "Times depth_course at birth.");
+  v.range("depth_range", &T::depth_range, above(0.0, 100.0), "Times a random number, once for each primordium.");
+  v.number("sinking_mm", &T::sinking_mm, kAnyPositive, "It points this much further down.");
+  v.whole_range("delay_frames", &T::delay_frames, 0, 1000000, "From birth to the start of the strand, in frames.");
+  v.choice("kind", &T::kind, kVeinKinds, "Kind of the beginning.");
+  v.choice("strand", &T::strand, kVeinKinds, "Kind of its inner end and of the strand that goes on from there.");
+  v.table("jitter", &T::jitter, Layout::kInline, "Deviation of the beginning.");
+  v.table("strand_jitter", &T::strand_jitter, Layout::kInline, "Deviation of the strand.");
+  v.number("resistivity_factor", &T::resistivity_factor, kAnyPositive, "Of the strand.");
+  v.number("initial_resistivity_factor", &T::initial_resistivity_factor, kAnyPositive, "Of the beginning.");
+}
+
+template <class V>
+void describe(V& v, Table<VeinReticulation>) {
+  using T = VeinReticulation;
+  v.choice("rule", &T::rule, kReticulationRules,
+           "Second ways: none; by least resistance, up to a ratio; from the oldest neighbour, up to a difference.");
+  v.integer("delay_frames", &T::delay_frames, 0, 1000000, "From the start of a strand to its second way.");
+  v.number("ratio_limit", &T::ratio_limit, kAnyPositive,
+           "Resistance of the second way over that of the first (kappa).");
+  v.number("difference_limit", &T::difference_limit, within(-1e6, 1e6),
+           "Resistance of the second way less the first's.");
+  v.number("reach_mm", &T::reach_mm, kAnyPositive, "Longest second connection, in mm.");
+  v.number("neighbourhood_mm", &T::neighbourhood_mm, kAnyPositive, "No point farther than this is considered, in mm.");
+}
+
+inline constexpr auto kSourcePlaces = [](auto& colonisation) -> auto& {
+  return colonisation.s.points;
+};
+
+template <class V>
+void describe(V& v, Table<VeinColonisation>) {
+  using T = VeinColonisation;
+  v.flag("enabled", &T::enabled, "Whether strands grow towards sources below the surface.");
+  v.range("window", &T::window, kUnit, "Times between which sources appear.");
+  v.points("s", kSourcePlaces, course_of(kUnit), "Where on the outline, against time: 0 apex, 1 rim.");
+  v.range("depth_mm", &T::depth_mm, kAnyPositive, "Depth of sources below the surface, in mm.");
+  v.integer("sources_per_frame", &T::sources_per_frame, 0, 10000, "At most so many in a frame.");
+  v.number("spacing_mm", &T::spacing_mm, kVeinLength, "Between a new source and those of earlier frames.");
+  v.number("kill_distance_mm", &T::kill_distance_mm, kVeinLength, "A source this near a strand is used up.");
+  v.number("step_mm", &T::step_mm, kVeinLength, "Of a strand at the end; twice that at time 0.");
+  v.number("resistivity_factor", &T::resistivity_factor, kAnyPositive, "Of these strands.");
+  v.table("jitter", &T::jitter, Layout::kInline, "Deviation of these strands.");
+}
+
+/// A part of the parameters of veins as a part of the table they stand in.
+template <class Member>
+constexpr auto of_veins(Member member) {
+  return [member](auto& veins) -> auto& {
+    return std::invoke(member, veins.params);
+  };
+}
+template <std::size_t kind>
+inline constexpr auto kInitial = [](auto& veins) -> auto& {
+  return veins.params.initials[kind];
+};
+template <std::size_t kind>
+inline constexpr auto kTip = [](auto& veins) -> auto& {
+  return veins.params.tip_diameter_mm[kind];
+};
+template <auto member>
+inline constexpr auto kCourse = [](auto& veins) -> auto& {
+  return std::invoke(member, veins.params).points;
+};
+
+template <class V>
+void describe(V& v, Table<HeadVeins>) {
+  using T = HeadVeins;
+  using P = VeinParams;
+  v.preset("like", "source",
+           "Whose parameters all others begin with; and whether by the text of O24 or as its programs have them.");
+  v.integer("frames", &T::frames, 2, 100000, "Steps of the development.");
+  v.choice("inside", &T::inside, kHeadInsides, "What carries tissue inside the head from frame to frame.");
+  v.number("max_edge", &T::max_edge, within(0.002, 1.0),
+           "Harmonic: longest edge of the triangulated section, as a share of its size.");
+  v.choice("clock", &T::clock, kVeinClocks,
+           "Which outline a frame sees: that of its own time, or one that follows a pace, as in O24's programs.");
+  v.points("pace", &T::pace, function_of(kUnit, above(0.0, 1000.0)), "Published clock: pace of the outlines.");
+  v.integer("ring_vertices", of_veins(&P::ring_vertices), 1, 100000, "Vertices of the ring that all strands lead to.");
+  v.number("ring_radius", of_veins(&P::ring_radius), above(0.0, 1.0), "Radius of the ring over that of the base.");
+  v.number("ring_inset_mm", of_veins(&P::ring_inset_mm), kAnyPositive, "Less this.");
+  v.number("first_start", of_veins(&P::first_start), kUnit, "Strands start at times later than this.");
+  v.table("bract", kInitial<0>, Layout::kInline, "How strands of bracts begin.");
+  v.table("trans_floret", kInitial<1>, Layout::kInline, "How strands of trans florets begin.");
+  v.table("floret", kInitial<2>, Layout::kInline, "How strands of florets begin.");
+  v.points("depth_course", kCourse<&P::depth_course>, course_of(kFactor), "Factor of their depth against time.");
+  v.flag("deviated_initial_is_unit", of_veins(&P::deviated_initial_is_unit),
+         "Steps of a beginning keep their length when they deviate.");
+  v.points("ground_resistivity", kCourse<&P::ground_resistivity>, course_of(kAnyPositive),
+           "Resistivity of the ground over that of mature strands, against time (r_G).");
+  v.points("maturation_frames", kCourse<&P::maturation_frames>, course_of(kAnyPositive),
+           "Frames that a strand takes to mature, against time (tau_m).");
+  v.number("mature_resistivity", of_veins(&P::mature_resistivity), kAnyPositive, "Of mature strands (r_V).");
+  v.number("vein_weight", of_veins(&P::vein_weight), kAnyPositive, "Weight of the way through strands.");
+  v.number("age_weight", of_veins(&P::age_weight), kAnyPositive, "Weight of the age of strands (mu_age).");
+  v.number("age_offset", of_veins(&P::age_offset), kUnit, "What is taken off the ratio of ages.");
+  v.flag("visible_only", of_veins(&P::visible_only), "Only vertices that are not shielded may be joined.");
+  v.number("shielding_angle_deg", of_veins(&P::shielding_angle_deg), above(0.0, 180.0),
+           "Width of the nearest vertex as a shield, in degrees.");
+  v.number("sector_weight", of_veins(&P::sector_weight), kAnyPositive,
+           "Cost of ways across the radial plane (mu_sec).");
+  v.choice("sector_rule", of_veins(&P::sector_rule), kSectorRules, "By which rule.");
+  v.number("inward_limit", of_veins(&P::inward_limit), within(-1.0, 1.0),
+           "Ways whose direction has a radial part below this are avoided; -1: none.");
+  v.number("step_mm", of_veins(&P::step_mm), kVeinLength, "Step of a strand (delta).");
+  v.number("merge_distance_mm", of_veins(&P::merge_distance_mm), kVeinLength, "A strand this near another joins it.");
+  v.number("momentum", of_veins(&P::momentum), kAnyPositive, "Of the beginning's direction, kept by the strand.");
+  v.flag("retarget", of_veins(&P::retarget), "Choose the way again at each step.");
+  v.choice("deviation", of_veins(&P::deviation), kDeviationRules, "How steps deviate.");
+  v.number("drift", of_veins(&P::drift), kUnit, "Each step down by a random share of this many steps.");
+  v.choice("join", of_veins(&P::join), kJoinRules, "Where a strand is attached that has come near another.");
+  v.number("split_length_mm", of_veins(&P::split_length_mm), kVeinLength, "Longer edges are halved.");
+  v.table("reticulation", of_veins(&P::reticulation), Layout::kInline, "Second ways to the ring.");
+  v.table("colonisation", of_veins(&P::colonisation), Layout::kInline, "Strands towards sources below the surface.");
+  v.choice("diameter_rule", of_veins(&P::diameter_rule), kDiameterRules, "How diameters add up.");
+  v.number("murray_exponent", of_veins(&P::murray_exponent), within(1.0, 100.0), "Exponent of Murray's law (n).");
+  v.number("floret_tip_mm", kTip<0>, kVeinLength, "Diameter of tips of florets.");
+  v.number("abaxial_tip_mm", kTip<1>, kVeinLength, "Diameter of abaxial tips.");
+  v.number("adaxial_tip_mm", kTip<2>, kVeinLength, "Diameter of adaxial tips.");
+  v.number("second_share", of_veins(&P::second_share), within(0.0, 0.5), "Share that a second way gets.");
+}
+
+template <class V>
 void describe(V& v, Table<Species>) {
   using T = Species;
   v.name("name", &T::name, NameOf::kNothing, "The species' name on the command line.", Need::kRequired);
@@ -372,6 +567,7 @@ void describe(V& v, Table<Species>) {
   v.flag("collisions", &T::collisions, "Whether organs push one another unless asked otherwise.");
   v.table("head", &T::head, Layout::kOwnTable, "The flower head: organs in a spiral on a receptacle.", Need::kRequired);
   v.table("peduncle", &T::peduncle, Layout::kOwnTable, "The stem under the head.");
+  v.option("vasculature", &T::vasculature, "Veins inside the head, which must have an active ring.");
   v.named("organs", &T::organs, Count{1, 64}, "Kinds of organs, by name.", Need::kRequired);
   v.named("pigments", &T::pigments, Count{1, 64}, "Pigments, by name.", Need::kRequired);
 }

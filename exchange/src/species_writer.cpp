@@ -103,6 +103,13 @@ class ValueWriter {
     value(key, member, Need::kOptional, [](const Range& range) { return toml_pair({range[0], range[1]}); });
   }
   template <class Member>
+  void whole_range(const char* key, Member member, int, int, const char*) {
+    value(key, member, Need::kOptional, [](const std::array<int, 2>& range) {
+      return toml_pair({static_cast<double>(range[0]), static_cast<double>(range[1])});
+    });
+  }
+  void preset(const char*, const char*, const char*) {}  // the parameters themselves are written
+  template <class Member>
   void numbers(const char* key, Member member, const Limits&, Count, const char*, Need need = Need::kOptional) {
     value(key, member, need, [](const std::vector<double>& list) { return toml_list(list, to_text); });
   }
@@ -157,9 +164,13 @@ class ValueWriter {
   template <class Member, class ToText>
   void value(const char* key, Member member, Need need, const ToText& to_value) {
     const std::string text = shown(std::invoke(member, object_), to_value);
-    if (need == Need::kRequired || text != shown(std::invoke(member, default_), to_value)) {
+    if (need == Need::kRequired || text != shown(std::invoke(member, defaults()), to_value)) {
       put(key, text);
     }
+  }
+  static const T& defaults() {
+    static const T value = {};
+    return value;
   }
   template <class Value, class ToText>
   static std::string shown(const Value& value, const ToText& to_value) {
@@ -171,7 +182,6 @@ class ValueWriter {
   }
 
   const T& object_;
-  const T default_ = {};
   const char* separator_;
 };
 
@@ -198,6 +208,8 @@ class TableWriter {
   template <class... R> void vector(R&&...) {}
   template <class... R> void flag(R&&...) {}
   template <class... R> void range(R&&...) {}
+  template <class... R> void whole_range(R&&...) {}
+  template <class... R> void preset(R&&...) {}
   template <class... R> void numbers(R&&...) {}
   template <class... R> void points(R&&...) {}
   template <class... R> void colour(R&&...) {}

@@ -1,12 +1,12 @@
 #include "anthesis/exchange/vlab_species.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
-#include <map>
-#include <numeric>
 
 #include "anthesis/base/check.h"
 #include "anthesis/base/math.h"
+#include "anthesis/exchange/vlab_digitised_head.h"
 #include "anthesis/phyllotaxis/ridley.h"
 
 namespace anthesis {
@@ -14,60 +14,15 @@ namespace {
 
 constexpr int kDegree = 3;
 constexpr int kFunctionPoints = 33;
-constexpr int kOutlinePoints = 24;
-constexpr int kStages = 9;            // outlines of a growing head
-constexpr double kStepTime = 0.0005;  // of the models of O24: progress by step
-
-/// Where each control point of a clamped uniform cubic B-spline acts most: the means of its knots (Greville). With
-/// these as the abscissae of a function's control points, x(u) = u.
-std::vector<double> greville(int count) {
-  std::vector<double> places;
-  const auto knot = [count](int i) { return std::clamp(i - kDegree, 0, count - kDegree); };
-  for (int i = 0; i < count; ++i) {
-    const int sum = knot(i + 1) + knot(i + 2) + knot(i + 3);
-    places.push_back(static_cast<double>(sum) / (kDegree * (count - kDegree)));
-  }
-  return places;
-}
-
-/// Control points of the spline that takes the given values at its Greville abscissae. Gauss without pivoting: the
-/// matrix is totally positive.
-std::vector<Vec2> interpolating(std::vector<Vec2> values) {
-  const int count = static_cast<int>(values.size());
-  const std::vector<double> places = greville(count);
-  std::vector<std::vector<double>> rows(values.size(), std::vector<double>(values.size(), 0.0));
-  for (int i = 0; i < count; ++i) {
-    const BasisFunctions basis = clamped_basis(count, kDegree, places[i]);
-    std::copy_n(basis.weight.begin(), basis.count, rows[i].begin() + basis.first);
-  }
-  for (int column = 0; column < count; ++column) {
-    for (int row = column + 1; row < count; ++row) {
-      const double factor = rows[row][column] / rows[column][column];
-      if (factor != 0.0) {
-        for (int k = column; k < count; ++k) {
-          rows[row][k] -= factor * rows[column][k];
-        }
-        values[row] = values[row] - factor * values[column];
-      }
-    }
-  }
-  for (int row = count - 1; row >= 0; --row) {
-    for (int k = row + 1; k < count; ++k) {
-      values[row] = values[row] - rows[row][k] * values[k];
-    }
-    values[row] = values[row] / rows[row][row];
-  }
-  return values;
-}
 
 /// Control points of a function over [0, 1] that is f at 33 places.
 template <class Function>
 FunctionPoints fitted(const Function& f) {
   std::vector<Vec2> values;
-  for (const double x : greville(kFunctionPoints)) {
+  for (const double x : greville_places(kFunctionPoints, kDegree)) {
     values.push_back({x, f(x)});
   }
-  return interpolating(std::move(values));
+  return interpolating_controls(std::move(values), kDegree);
 }
 
 std::optional<Error> check(const VlabScale& scale) {
@@ -146,222 +101,114 @@ void add_kind(Species& species, const std::string& name, Colour colour) {
 
 // ---- heads that grow ------------------------------------------------------------------------------------------------
 
-/// Outline of a head at a time, up to `reach` of its length, in the drawing's units.
-class Outlines {
- public:
-  explicit Outlines(const VlabStages& stages) : stages_(stages) {
-    for (const VlabContour& contour : stages.contours) {
-      curves_.emplace_back(contour);
-    }
-  }
-
-  Vec2 at(const std::vector<double>& weights, double s) const {
-    Vec3 sum{};
-    for (std::size_t i = 0; i < weights.size(); ++i) {
-      sum += weights[i] * curves_[i].at(s);
-    }
-    return {std::max(sum.x, 0.0), sum.y};
-  }
-
-  /// Control points for SurfaceOfRevolution.
-  std::vector<Vec2> controls(double time, double reach) const {
-    const std::vector<double> weights = stages_.weights(time);
-    std::vector<Vec2> points;
-    for (const double t : greville(kOutlinePoints)) {
-      points.push_back(at(weights, t * reach));
-    }
-    points = interpolating(std::move(points));
-    for (Vec2& point : points) {
-      point.x = std::max(point.x, 0.0);
-    }
-    points.front().x = 0.0;
-    points[1].y = points[0].y;  // smooth over the apex
-    return points;
-  }
-
- private:
-  const VlabStages& stages_;
-  std::vector<VlabCurve> curves_;
+/// What the programs of O24 state of each of its heads, and their files do not.
+struct HeadConstants {
+  std::string_view name;
+  VeinParams (*veins)(VeinSource);
+  double scale_mm = 15.0;       ///< a unit of the files, where heads have the sizes of O24's tables
+  double threshold = 1.0;       ///< factor of the function thresholdDistanceFunc
+  double threshold_pace = 1.0;  ///< factor of its time
+  int bract_landmark = 0;
+  int trans_landmark = 0;
+  double last_ring = 0.0025;
 };
 
-/// Mature area of an organ against s, from where organs stand: such that each stretch of the profile holds as many
-/// bands as there are organs on it, and all of it half a band more than all organs.
-FunctionPoints areas_of(const SurfaceOfRevolution& surface, const std::vector<double>& s_of_rank) {
-  const std::size_t count = s_of_rank.size();
-  const auto area_at = [&](double s) { return surface.area_from_apex_mm2(surface.t_from_s(s)); };
-  // Organ k stands in the middle of its band: borders lie half way between neighbours.
-  const auto border = [&](std::size_t k) {
-    return k == 0 ? 1.0 : k == count ? 0.0 : 0.5 * (s_of_rank[k - 1] + s_of_rank[k]);
-  };
-  constexpr double kSpare = 0.1;  // of a band
-  struct Stretch {
-    double from = 0.0;
-    double to = 0.0;
-    double organs = 0.0;
-  };
-  std::vector<Stretch> parts;  // ascending s
+constexpr double kRounding = 0.0005;  // mean of what O24's programs take off a primordium's place in the tissue
+constexpr double kFirstThreshold = 3.5 * math::kPi / 100.0;  // in units of the files
+
+constexpr std::array<HeadConstants, 3> kHeads = {{
+    {.name = "bellis",
+     .veins = bellis_veins,
+     .scale_mm = 15.0,
+     .threshold = kFirstThreshold,
+     .bract_landmark = 3,
+     .last_ring = 0.01},
+    {.name = "sunflower",
+     .veins = sunflower_veins,
+     .scale_mm = 10.0,
+     .threshold = 0.45 * kFirstThreshold,
+     .threshold_pace = 2.0,
+     .bract_landmark = 8},
+    {.name = "gerbera",
+     .veins = gerbera_veins,
+     .scale_mm = 15.0,
+     .threshold = kFirstThreshold,
+     .bract_landmark = 6,
+     .trans_landmark = 11},
+}};
+
+/// Files of VLab state six digits after the point; more than nine here would be noise.
+double rounded(double value) {
+  return std::round(value * 1e9) / 1e9;
+}
+
+/// The drawn function as control points, value and argument scaled.
+Expected<FunctionPoints> scaled(const VlabFunction& function, double x_factor, double y_factor) {
+  if (auto graph = vlab_graph(function); !graph) {
+    return unexpected(graph.error());
+  }
   FunctionPoints points;
-  const double least = 1e-3 * surface.area_mm2() / static_cast<double>(count);
-  // Organs differ most at the rim: stretches grow from 2 organs there to a twelfth of them all.
-  std::vector<std::size_t> cuts = {0};
-  const std::size_t longest = std::max<std::size_t>(count / 12, 2);
-  for (std::size_t length = 2; cuts.back() + length + longest / 2 < count; length = std::min(length + 1, longest)) {
-    cuts.push_back(cuts.back() + length);
-  }
-  cuts.push_back(count);
-  for (std::size_t i = cuts.size() - 1; i-- > 0;) {
-    const double spare = cuts[i + 1] == count ? kSpare : 0.0;
-    const Stretch part{border(cuts[i + 1]), border(cuts[i]), static_cast<double>(cuts[i + 1] - cuts[i]) + spare};
-    const double area = area_at(part.to) - area_at(part.from);
-    parts.push_back(part);
-    points.push_back({0.5 * (part.from + part.to), std::max(area / part.organs, least)});
-  }
-  points.insert(points.begin(), Vec2{0.0, points.front().y});
-  points.push_back({1.0, points.back().y});
-  // The curve leans towards its control points without reaching them: correct each by what its stretch then holds.
-  constexpr int kRounds = 3;  // more would follow the scatter of single organs
-  constexpr int kSteps = 50;
-  for (int round = 0; round <= kRounds; ++round) {
-    const FunctionGraph graph(points);
-    double organs = 0.0;
-    double all_bands = 0.0;
-    for (std::size_t i = 0; i < parts.size(); ++i) {
-      double bands = 0.0;
-      double before = area_at(parts[i].from);
-      const double step = (parts[i].to - parts[i].from) / kSteps;
-      for (int k = 0; k < kSteps; ++k) {
-        const double after = area_at(parts[i].from + (k + 1) * step);
-        bands += (after - before) / graph(parts[i].from + (k + 0.5) * step);
-        before = after;
-      }
-      organs += parts[i].organs;
-      all_bands += bands;
-      if (round < kRounds) {  // the square root damps what neighbours do to each other
-        points[i + 1].y = std::max(std::sqrt(bands / parts[i].organs) * points[i + 1].y, least);
-      }
-    }
-    points.front().y = points[1].y;
-    points.back().y = points[points.size() - 2].y;
-    if (round == kRounds) {  // what single stretches miss, the whole does not
-      for (Vec2& point : points) {
-        point.y *= all_bands / organs;
-      }
-    }
+  for (const Vec2 control : vlab_controls(function)) {
+    points.push_back({rounded(x_factor * control.x), rounded(y_factor * control.y)});
   }
   return points;
 }
 
-/// Types of primordia, outermost first, with how many there are of each.
-std::vector<std::pair<int, std::size_t>> types_from_rim(const std::vector<VlabPrimordium>& primordia) {
-  std::map<int, std::pair<double, std::size_t>> sums;
-  for (const VlabPrimordium& one : primordia) {
-    sums[one.type].first += one.s;
-    ++sums[one.type].second;
-  }
-  std::vector<std::pair<int, std::size_t>> types;
-  for (const auto& [type, sum] : sums) {
-    types.emplace_back(type, sum.second);
-  }
-  std::stable_sort(types.begin(), types.end(), [&](const auto& a, const auto& b) {
-    const auto mean = [&](int type) { return sums[type].first / static_cast<double>(sums[type].second); };
-    return mean(a.first) > mean(b.first);
-  });
-  return types;
-}
-
-void add_kinds(Species& species, const std::vector<VlabPrimordium>& primordia, const std::vector<double>& s_of_rank) {
-  const std::vector<std::pair<int, std::size_t>> types = types_from_rim(primordia);
-  const Colour green{0.1, 0.35, 0.06};
-  const Colour white{0.9, 0.9, 0.85};
-  const Colour yellow{0.9, 0.6, 0.03};
-  double to = 1.0;
-  std::size_t used = 0;
-  for (std::size_t i = 0; i < types.size(); ++i) {
-    const bool last = i + 1 == types.size();
-    const std::string name = types.size() == 1 ? "organ"
-                             : last            ? "floret"
-                             : i == 0          ? "bract"
-                             : i == 1          ? "ray_floret"
-                                               : "floret_" + std::to_string(types[i].first);
-    used += types[i].second;
-    const double from = last ? 0.0 : 0.5 * (s_of_rank[used - 1] + s_of_rank[used]);
-    if (from < to) {
-      add_kind(species, name, last ? yellow : i == 0 ? green : white);
-      species.head.zones.push_back({name, from, to});
-      to = from;
-    }
-  }
-}
-
 Expected<Species> growing_head(std::string_view name, const VlabObject& object, const VlabScale& scale) {
-  const Expected<VlabStages> stages = vlab_stages(object.contours, object.knots);
-  if (!stages) {
-    return unexpected(stages.error());
+  Expected<DigitisedHead> head = vlab_digitised_head(object.contours, object.knots, 1.0);
+  if (!head) {
+    return unexpected(head.error());
   }
-  for (const VlabContour& contour : stages->contours) {
-    if (auto profile = vlab_profile(contour); !profile) {
-      return unexpected(profile.error());
-    }
-    if (drawn_from_base(contour)) {
-      return unexpected(invalid_parameter(contour.name, "must run from the apex to the base", "the other way"));
-    }
-  }
-  std::vector<double> s_of_rank;
-  for (const VlabPrimordium& one : object.mature) {
-    s_of_rank.push_back(one.s);
-  }
-  std::sort(s_of_rank.begin(), s_of_rank.end(), std::greater<>());
-  const auto outermost = [](const std::vector<VlabPrimordium>& primordia) {
-    double s = 0.0;
-    for (const VlabPrimordium& one : primordia) {
-      s = std::max(s, one.s);
-    }
-    return s;
-  };
-  // The underside of the head carries no organs and is left off: the outline ends half an organ below the outermost.
-  const std::size_t count = s_of_rank.size();
-  const double half_organ = count > 8 ? (s_of_rank[0] - s_of_rank[8]) / 16.0 : 0.0;
-  const double last_reach = std::min(1.0, s_of_rank[0] + half_organ);
-  const double first_reach = object.born.empty() ? last_reach : std::min(1.0, outermost(object.born) + half_organ);
-
+  const HeadConstants* known = scale.like ? &kHeads[static_cast<std::size_t>(*scale.like)] : nullptr;
+  const HeadConstants constants = known != nullptr ? *known : HeadConstants{.name = name, .veins = nullptr};
+  const double unit_mm = known != nullptr
+                             ? known->scale_mm
+                             : 0.5 * scale.width_mm / widest(head->sections.back().profile.controls, kDegree);
   Species species = bare_species(name);
-  const Outlines outlines(*stages);
-  std::vector<std::vector<Vec2>> controls;
-  std::vector<double> size;
-  for (int i = 0; i < kStages; ++i) {
-    const double time = static_cast<double>(i) / (kStages - 1);
-    controls.push_back(outlines.controls(time, first_reach + time * (last_reach - first_reach)));
-    if (auto error = check_profile("contours", controls.back())) {
-      return unexpected(*error);
+  species.head.rule = PlacementRule::kActiveRing;
+  species.collisions = false;  // beads of the size of their places
+  ActiveRing& ring = species.head.active_ring.emplace();
+  for (DigitisedSection& section : head->sections) {
+    for (Vec2& point : section.profile.controls) {
+      point = {rounded(unit_mm * point.x), rounded(unit_mm * point.y)};
     }
-    size.push_back(SurfaceOfRevolution(controls.back(), kDegree).length_mm());
+    ring.sections.push_back({std::move(section.profile.controls), std::move(section.landmarks), section.ring});
   }
-  // Size and shape apart: outlines of the mature length, and a factor that the organs shrink and grow by as well.
-  const double unit_mm = 0.5 * scale.width_mm / widest(controls.back(), kDegree);
-  for (int i = 0; i < kStages; ++i) {
-    const double time = static_cast<double>(i) / (kStages - 1);
-    for (Vec2& point : controls[i]) {
-      point = (unit_mm * size.back() / size[i]) * point;
+  ring.knots = std::move(head->knots);
+  const VlabFunction* threshold = object.find_function("thresholdDistanceFunc");
+  if (threshold == nullptr) {
+    return unexpected(invalid_parameter("functions", "must hold one named thresholdDistanceFunc", "none"));
+  }
+  auto threshold_mm = scaled(*threshold, 1.0 / constants.threshold_pace,
+                             unit_mm * (known != nullptr ? constants.threshold : kFirstThreshold));
+  if (!threshold_mm) {
+    return unexpected(threshold_mm.error());
+  }
+  ring.threshold_mm = std::move(*threshold_mm);
+  ring.last_ring = constants.last_ring;
+  ring.lag = known != nullptr ? kRounding : 0.0;
+  const int landmarks = static_cast<int>(ring.sections.back().landmarks.size());
+  const auto had = [&](int landmark) { return landmark <= landmarks ? landmark : 0; };  // heads of other people
+  ring.bract_landmark = had(constants.bract_landmark);
+  ring.trans_landmark = had(constants.trans_landmark);
+  ring.floret = "floret";
+  add_kind(species, ring.floret, {0.75, 0.5, 0.03});
+  ring.trans_floret = "trans_floret";
+  add_kind(species, ring.trans_floret, {0.8, 0.75, 0.6});
+  ring.bract = "bract";
+  add_kind(species, ring.bract, {0.2, 0.4, 0.08});
+  if (known != nullptr) {
+    HeadVeins& veins = species.vasculature.emplace();
+    veins.params = known->veins(scale.source);
+    if (const VlabFunction* pace = object.find_function("output_dalpha")) {
+      auto points = scaled(*pace, 1.0, 1.0);
+      if (!points) {
+        return unexpected(points.error());
+      }
+      veins.pace = std::move(*points);
+      veins.clock = VeinClock::kPublished;
     }
-    species.head.receptacle.push_back({time, controls[i]});
   }
-  species.head.growth.clear();
-  for (int i = 0; i < kStages; ++i) {
-    species.head.growth.push_back({static_cast<double>(i) / (kStages - 1), size[i] / size.back()});
-  }
-  for (double& s : s_of_rank) {
-    s /= last_reach;
-  }
-  const SurfaceOfRevolution surface(controls.back(), kDegree);
-  species.head.area_mm2 = areas_of(surface, s_of_rank);
-  species.head.count = static_cast<int>(count);
-  std::uint32_t last_step = 0;
-  for (const VlabPrimordium& one : object.born) {
-    last_step = std::max(last_step, one.step);
-  }
-  const double births = object.born.empty() ? 0.8 : std::min(kStepTime * last_step, 0.95);
-  species.head.interval = std::clamp(births / static_cast<double>(count), 1e-6, 1.0);
-  add_kinds(species, object.mature, s_of_rank);
   return species;
 }
 
@@ -387,9 +234,12 @@ bool has_markers(const std::vector<VlabContour>& contours) {
 
 }  // namespace
 
+std::string_view vlab_head_model_name(VlabHeadModel model) {
+  return kHeads[static_cast<std::size_t>(model)].name;
+}
+
 bool is_vlab_head_file(std::string_view file_name) {
-  for (const std::string_view end :
-       {".con", ".cset", ".func", ".fset", "knotPositions.dat", "_initial.prims", "_final.prims"}) {
+  for (const std::string_view end : {".con", ".cset", ".func", ".fset", "knotPositions.dat"}) {
     if (file_name.ends_with(end)) {
       return true;
     }
@@ -432,12 +282,6 @@ Expected<VlabObject> read_vlab_object(std::span<const VlabFile> files) {
         return unexpected(knots.error());
       }
       object.knots = std::move(*knots);
-    } else if (file->name.ends_with("_initial.prims") || file->name.ends_with("_final.prims")) {
-      auto primordia = read_vlab_primordia(file->bytes, file->name);
-      if (!primordia) {
-        return unexpected(primordia.error());
-      }
-      (file->name.ends_with("_final.prims") ? object.mature : object.born) = std::move(primordia->primordia);
     }
   }
   return object;
@@ -483,13 +327,9 @@ Expected<Species> species_from_vlab(std::string_view name, const VlabObject& obj
     return unexpected(invalid_parameter("contours", "must come with a .con or .cset file", "none"));
   }
   const bool grows = has_markers(object.contours);
-  if (grows && object.mature.empty()) {
-    return unexpected(invalid_parameter("primordia", "must come with a file *_final.prims", "none"));
-  }
   if (!grows && rho == nullptr) {
     return unexpected(invalid_parameter(
-        "files", "must hold contours with markers and *_final.prims, or one contour and a function named rho",
-        "neither"));
+        "files", "must hold contours with markers, or one contour and a function named rho", "neither"));
   }
   Expected<Species> species = grows ? growing_head(name, object, scale) : ridley_head(name, object, *rho, scale);
   if (species) {

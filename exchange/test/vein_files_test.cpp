@@ -5,6 +5,7 @@
 #include <array>
 #include <charconv>
 #include <cmath>
+#include <cstring>
 #include <limits>
 #include <map>
 
@@ -51,18 +52,6 @@ std::vector<VeinPrimordium> primordia() {
           {10, 99, 0.125, 0.0, PrimordiumKind::kFloret}};
 }
 
-/// Two vertices: one straight strand.
-Vasculature stick(Vec3 tip, double diameter) {
-  Vasculature veins;
-  veins.vertices.resize(2);
-  veins.vertices[1].position = tip;
-  veins.vertices[1].parent = 0;
-  veins.vertices[1].diameter = diameter;
-  veins.ring_vertices = 1;
-  veins.primordia = {1};
-  return veins;
-}
-
 std::vector<std::string> lines_of(const std::string& text, bool comments = false) {
   std::vector<std::string> lines;
   for (std::size_t at = 0; at < text.size();) {
@@ -81,27 +70,6 @@ std::vector<double> numbers_of(const std::string& line) {
     at = std::from_chars(at, line.data() + line.size(), numbers.emplace_back()).ptr + 1;
   }
   return numbers;
-}
-
-struct Solid {
-  std::vector<Vec3> positions;
-  std::vector<Triangle> triangles;
-
-  double volume() const {
-    double sum = 0.0;
-    for (const Triangle& t : triangles) {
-      sum += dot(positions[t[0]], cross(positions[t[1]], positions[t[2]])) / 6.0;
-    }
-    return sum;
-  }
-};
-
-Solid solid_of(const Vasculature& veins, const VeinTubeParams& params = {}) {
-  const Expected<std::string> bytes = veins_ply(veins, params);
-  EXPECT_TRUE(bytes.has_value());
-  const Expected<CheckedMesh> mesh = read_mesh(*bytes, "veins.ply");
-  EXPECT_TRUE(mesh.has_value()) << to_string(mesh.error());
-  return {mesh->pose(0).positions, {mesh->triangles().begin(), mesh->triangles().end()}};
 }
 
 TEST(VeinsCsv, HasARowForEachVertexAndNothingWhereThereIsNothing) {
@@ -174,71 +142,29 @@ TEST(VeinsSwc, ListsSecondConnectionsByItsOwnIds) {
   EXPECT_THAT(veins_swc(letter()), HasSubstr("# second connection: 4 3\n# second connection: 4 2\n"));
 }
 
-TEST(VeinsPly, AStraightStrandIsAPrism) {
-  for (const Vec3 tip : {Vec3{0.0, 0.0, 2.0}, Vec3{0.0, -2.0, 0.0}, Vec3{2.0, 0.0, 0.0}, Vec3{1.2, 0.0, -1.6}}) {
-    for (const int sides : {3, 6, 8}) {
-      const Solid prism = solid_of(stick(tip, 0.5), {.sides = sides});
-      EXPECT_EQ(prism.positions.size(), static_cast<std::size_t>(2 * sides + 2));
-      const double area = 0.5 * sides * 0.25 * 0.25 * std::sin(math::kTurnRad / sides);
-      EXPECT_NEAR(prism.volume(), 2.0 * area, 1e-6) << sides;  // > 0: its faces look outwards
-    }
-  }
-}
-
-TEST(VeinsPly, TubesAreClosed) {
-  const Solid solid = solid_of(letter());
-  std::map<std::pair<std::uint32_t, std::uint32_t>, int> edges;
-  for (const Triangle& t : solid.triangles) {
-    for (int k = 0; k < 3; ++k) {
-      ++edges[{t[k], t[(k + 1) % 3]}];
-    }
-  }
-  for (const auto& [edge, count] : edges) {
-    EXPECT_EQ(count, 1);
-    EXPECT_EQ(edges.count({edge.second, edge.first}), 1u);
-  }
-  // Two strands, of which the thin one ends in the joint, and two second connections; Euler's formula.
-  EXPECT_EQ(solid.positions.size(), (3u + 2u + 2u + 2u) * 7u + 4u * 2u);
-  EXPECT_EQ(solid.positions.size() + solid.triangles.size() - edges.size() / 2, 2u * 4u);
-}
-
-TEST(VeinsPly, RadiiPassFromOneEdgesToTheNext) {
-  Vasculature veins = stick({0.0, 0.0, 1.0}, 0.4);
-  for (std::uint32_t i = 2; i < 40; ++i) {
-    VeinVertex vertex;
-    vertex.position = {0.0, 0.0, static_cast<double>(i)};
-    vertex.parent = i - 1;
-    vertex.diameter = i < 20 ? 0.4 : 0.2;
-    veins.vertices.push_back(vertex);
-  }
-  double before = 0.0;
-  std::map<double, double> radius;
-  for (const Vec3 p : solid_of(veins).positions) {
-    radius[p.z] = std::max(radius[p.z], std::hypot(p.x, p.y));
-  }
-  EXPECT_NEAR(radius.rbegin()->second, 0.1, 1e-7);
-  EXPECT_NEAR(radius.begin()->second, 0.2, 1e-7);
-  for (auto point = radius.rbegin(); point != radius.rend(); ++point) {
-    EXPECT_GE(point->second, before - 1e-7);
-    EXPECT_LE(point->second - before, before == 0.0 ? 1.0 : 0.1 / 4.0) << point->first;
-    before = point->second;
-  }
-}
-
-TEST(VeinsPly, AStrandThatTurnsBackKeepsItsWidth) {
-  Vasculature veins = stick({0.0, 0.0, 1.0}, 0.1);
-  VeinVertex vertex;
-  vertex.diameter = 0.1;
-  for (const Vec3 position : {Vec3{0.0, 0.0, 0.5}, Vec3{0.0, 0.0, 0.5}, Vec3{0.0, 0.5, 0.5}, Vec3{0.0, 0.0, 0.6}}) {
-    vertex.position = position;
-    vertex.parent = static_cast<std::uint32_t>(veins.vertices.size() - 1);
-    veins.vertices.push_back(vertex);
-  }
-  const Solid solid = solid_of(veins);
-  EXPECT_EQ(solid.positions.size(), 5u * 7u + 2u);  // the doubled point counts once
-  const std::array<std::uint32_t, 5> ways = {5, 4, 3, 1, 0};
-  for (std::size_t i = 0; i < 5 * 7; ++i) {
-    EXPECT_NEAR(length(solid.positions[1 + i] - veins.vertices[ways[i / 7]].position), 0.05, 1e-6) << i;
+TEST(VeinsPly, HoldsTheTubesWithTheColourOfTheirKind) {
+  const Expected<std::string> bytes = veins_ply(letter());
+  const Expected<VeinTubes> tubes = vein_tubes(letter());
+  ASSERT_TRUE(bytes.has_value() && tubes.has_value());
+  const Expected<CheckedMesh> mesh = read_mesh(*bytes, "veins.ply");
+  ASSERT_TRUE(mesh.has_value()) << to_string(mesh.error());
+  const std::vector<Vec3> positions = mesh->pose(0).positions;
+  ASSERT_EQ(positions.size(), tubes->mesh.positions_mm.size());
+  ASSERT_EQ(mesh->triangles().size(), tubes->mesh.triangles.size());
+  EXPECT_TRUE(std::equal(mesh->triangles().begin(), mesh->triangles().end(), tubes->mesh.triangles.begin()));
+  const std::string_view header = "end_header\n";
+  const char* row = bytes->data() + bytes->find(header) + header.size();
+  for (std::size_t i = 0; i < positions.size(); ++i, row += 32) {
+    EXPECT_LT(length(positions[i] - tubes->mesh.positions_mm[i]), 1e-6);
+    float up = 0.0f;
+    std::uint32_t vein = 0;
+    std::memcpy(&up, row + 20, 4);
+    std::memcpy(&vein, row + 27, 4);
+    EXPECT_EQ(up, static_cast<float>(tubes->mesh.normals[i].z));
+    const std::array<std::uint8_t, 3> colour = vein_colour(tubes->kind[i]);
+    EXPECT_EQ(std::memcmp(row + 24, colour.data(), 3), 0);
+    EXPECT_EQ(vein, tubes->vein[i]);
+    EXPECT_EQ(row[31], static_cast<char>(tubes->kind[i]));
   }
 }
 

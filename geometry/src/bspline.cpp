@@ -74,4 +74,48 @@ std::vector<double> bezier_chain_knots(int pieces, int degree) {
   return knots;
 }
 
+std::vector<double> greville_places(int control_points, int degree) {
+  std::vector<double> places;
+  const auto knot = [&](int i) { return std::clamp(i - degree, 0, control_points - degree); };
+  for (int i = 0; i < control_points; ++i) {
+    int sum = 0;
+    for (int k = 1; k <= degree; ++k) {
+      sum += knot(i + k);
+    }
+    places.push_back(static_cast<double>(sum) / (degree * (control_points - degree)));
+  }
+  return places;
+}
+
+std::vector<Vec2> interpolating_controls(std::vector<Vec2> values, int degree) {
+  ANTHESIS_ASSERT(degree >= 1 && static_cast<int>(values.size()) > degree);
+  // Gauss without pivoting: the matrix is totally positive. Its band is as wide as there are functions at a place.
+  const int count = static_cast<int>(values.size());
+  const std::vector<double> places = greville_places(count, degree);
+  std::vector<std::vector<double>> rows(values.size(), std::vector<double>(values.size(), 0.0));
+  for (int i = 0; i < count; ++i) {
+    const BasisFunctions basis = clamped_basis(count, degree, places[i]);
+    std::copy_n(basis.weight.begin(), basis.count, rows[i].begin() + basis.first);
+  }
+  for (int column = 0; column < count; ++column) {
+    const int last = std::min(column + degree, count - 1);
+    for (int row = column + 1; row <= last; ++row) {
+      const double factor = rows[row][column] / rows[column][column];
+      if (factor != 0.0) {
+        for (int k = column; k <= last; ++k) {
+          rows[row][k] -= factor * rows[column][k];
+        }
+        values[row] = values[row] - factor * values[column];
+      }
+    }
+  }
+  for (int row = count - 1; row >= 0; --row) {
+    for (int k = row + 1; k <= std::min(row + degree, count - 1); ++k) {
+      values[row] = values[row] - rows[row][k] * values[k];
+    }
+    values[row] = values[row] / rows[row][row];
+  }
+  return values;
+}
+
 }  // namespace anthesis

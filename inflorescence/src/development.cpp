@@ -204,7 +204,7 @@ struct Development::State {
     return heads[organ.parent.value == 0 ? 0 : head_of_kind[organs[organ.parent.value - 1].kind]];
   }
   std::optional<Error> make_heads(const Progress& progress);
-  std::vector<std::uint32_t> decide_kinds(const Head& head, std::span<const Primordium> primordia,
+  std::vector<std::uint32_t> decide_kinds(const Head& head, const HeadPattern& pattern,
                                           std::span<const LocalPlace> mature) const;
   std::optional<Error> bear_organs();
   std::optional<Error> build_templates(const Progress& progress);
@@ -272,7 +272,7 @@ std::optional<Error> Development::State::make_heads(const Progress& progress) {
     const SurfaceOfRevolution mature = pattern->surface(1.0);
     const std::vector<LocalPlace> places = local_places(*pattern, 1.0, mature);
     PatternOfHead made{std::move(*pattern), {}, {}};
-    made.kinds = decide_kinds(head, made.pattern.primordia(), places);
+    made.kinds = decide_kinds(head, made.pattern, places);
     for (const LocalPlace& place : places) {
       made.mature_s.push_back(place.s);
     }
@@ -296,9 +296,16 @@ std::optional<Error> Development::State::make_heads(const Progress& progress) {
   return std::nullopt;
 }
 
-std::vector<std::uint32_t> Development::State::decide_kinds(const Head& head, std::span<const Primordium> primordia,
+std::vector<std::uint32_t> Development::State::decide_kinds(const Head& head, const HeadPattern& pattern,
                                                             std::span<const LocalPlace> mature) const {
+  const std::span<const Primordium> primordia = pattern.primordia();
   std::vector<std::uint32_t> kinds(mature.size());
+  for (std::size_t i = 0; i < pattern.kinds().size(); ++i) {
+    const HeadOrganKind kind = pattern.kinds()[i];
+    kinds[i] = kind_named(kind == HeadOrganKind::kBract   ? head.active_ring->bract
+                          : kind == HeadOrganKind::kTrans ? head.active_ring->trans_floret
+                                                          : head.active_ring->floret);
+  }
   for (std::size_t i = 0; i < kinds.size(); ++i) {
     for (const Zone& zone : head.zones) {
       if (primordia[i].s_at_birth >= zone.from && (primordia[i].s_at_birth < zone.to || zone.to == 1.0)) {
@@ -341,7 +348,9 @@ std::optional<Error> Development::State::bear_organs() {
       organ.parent = {parent};
       organ.kind = head.kinds[i];
       organ.birth = birth + primordia[i].birth;
-      if (i > 0) {
+      if (i > 0 && made_from.rule == PlacementRule::kActiveRing) {
+        organ.divergence_rad = std::remainder(primordia[i].azimuth_rad - primordia[i - 1].azimuth_rad, math::kTurnRad);
+      } else if (i > 0) {
         const int turns = primordia[i].index - primordia[i - 1].index;  // 1 unless two fronts take turns
         organ.divergence_rad = turns * math::radians(made_from.divergence_deg);
       }

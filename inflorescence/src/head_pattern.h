@@ -7,8 +7,10 @@
 #include "anthesis/base/progress.h"
 #include "anthesis/geometry/surface_of_revolution.h"
 #include "anthesis/inflorescence/species.h"
+#include "anthesis/phyllotaxis/active_ring.h"
 #include "anthesis/phyllotaxis/collision_model.h"
 #include "anthesis/phyllotaxis/meristem_dynamics.h"
+#include "anthesis/receptacle/growing_receptacle.h"
 
 namespace anthesis {
 
@@ -22,6 +24,14 @@ struct FixedPattern {
   std::vector<PatternWarning> warnings;
 };
 
+/// Organs that keep their places in the tissue of a head that grows through digitised sections.
+struct RingPattern {
+  GrowingReceptacle head;
+  std::vector<RingPrimordium> ring;
+  std::vector<Primordium> primordia;
+  std::vector<HeadOrganKind> kinds;
+};
+
 /// The pattern of one head as a function of its own time, whatever the rule that places its organs.
 class HeadPattern {
  public:
@@ -31,12 +41,16 @@ class HeadPattern {
   std::span<const PatternWarning> warnings() const;
   SurfaceOfRevolution surface(double time) const;
 
+  /// By primordium, where landmarks of the tissue decide it; empty where zones do.
+  std::span<const HeadOrganKind> kinds() const;
+
   /// Of the primordia born by `time`, which are the first so many.
   std::vector<PrimordiumPlace> places(double time, const SurfaceOfRevolution& surface) const;
 
  private:
-  explicit HeadPattern(std::variant<MeristemDynamics, FixedPattern> pattern) : pattern_(std::move(pattern)) {}
-  std::variant<MeristemDynamics, FixedPattern> pattern_;
+  explicit HeadPattern(std::variant<MeristemDynamics, FixedPattern, RingPattern> pattern)
+      : pattern_(std::move(pattern)) {}
+  std::variant<MeristemDynamics, FixedPattern, RingPattern> pattern_;
 };
 
 }  // namespace anthesis

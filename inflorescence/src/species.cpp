@@ -3,10 +3,12 @@
 #include <algorithm>
 #include <cmath>
 #include <set>
+#include <tuple>
 
 #include "anthesis/base/check.h"
 #include "anthesis/geometry/function_graph.h"
 #include "anthesis/geometry/surface_of_revolution.h"
+#include "anthesis/inflorescence/head_interior.h"
 
 namespace anthesis {
 namespace {
@@ -36,8 +38,7 @@ std::optional<Error> check_unique(const std::string& where, const std::vector<st
   return std::nullopt;
 }
 
-std::optional<Error> check_head(const std::string& path, const Head& head, const std::vector<std::string>& organs,
-                                const std::vector<std::string>& pigments) {
+std::optional<Error> check_outlines(const std::string& path, const Head& head) {
   if (head.receptacle.empty()) {
     return invalid_parameter(path + ".receptacle", "must have at least 1 profile", 0.0);
   }
@@ -62,10 +63,79 @@ std::optional<Error> check_head(const std::string& path, const Head& head, const
                                static_cast<double>(profile.points.size()));
     }
   }
+  return std::nullopt;
+}
+
+/// Organs of a ring and what GrowingReceptacle asks of its sections.
+std::optional<Error> check_ring(const std::string& path, const Head& head, const std::vector<std::string>& organs) {
+  const ActiveRing& ring = *head.active_ring;
+  const std::string where = path + ".active_ring";
+  for (std::size_t i = 0; i < ring.sections.size(); ++i) {
+    const std::string points = where + ".sections[" + std::to_string(i) + "].points";
+    if (ring.sections[i].points.size() < 4) {
+      return invalid_parameter(points, "must be at least 4", static_cast<double>(ring.sections[i].points.size()));
+    }
+    for (const Vec2 point : ring.sections[i].points) {
+      for (const double value : {point.x, point.y}) {
+        if (auto error = check_number(points, value, -1e6, 1e6))
+          return error;
+      }
+    }
+  }
+  if (auto error = check_function_values(where + ".threshold_mm", ring.threshold_mm, 1e-6, 1e4))
+    return error;
+  if (auto error = check_whole(where + ".threshold_frozen_above", ring.threshold_frozen_above, 0, kMostOrgans))
+    return error;
+  const std::pair<const char*, int> landmarks[] = {{"bract_landmark", ring.bract_landmark},
+                                                   {"trans_landmark", ring.trans_landmark}};
+  for (const auto& [name, landmark] : landmarks) {
+    if (auto error = check_whole(where + "." + name, landmark, 0, 1000))
+      return error;
+  }
+  if (auto error = check_number(where + ".first_azimuth_deg", ring.first_azimuth_deg, 0.0, 360.0))
+    return error;
+  if (auto error = check(digitised_head(ring))) {
+    const bool profile = error->where.ends_with(".profile");  // named after its control points here
+    error->where = where + "." + (profile ? error->where.substr(0, error->where.size() - 7) + "points" : error->where);
+    return error;
+  }
+  if (auto error = check(active_ring_params(ring), GrowingReceptacle(digitised_head(ring)))) {
+    const std::size_t unit = error->where.rfind("_rad");
+    error->where = where + "." + (unit == std::string::npos ? error->where : error->where.substr(0, unit) + "_deg");
+    return error;
+  }
+  const std::tuple<const char*, const std::string&, bool> kinds[] = {
+      {".floret", ring.floret, true},
+      {".bract", ring.bract, ring.bract_landmark > 0},
+      {".trans_floret", ring.trans_floret, ring.trans_landmark > 0}};
+  for (const auto& [name, kind, needed] : kinds) {
+    if (needed || !kind.empty()) {
+      if (auto error = check_name(where + name, kind, organs, "an organ"))
+        return error;
+    }
+  }
+  if (head.bezier || !head.receptacle.empty() || !head.zones.empty()) {
+    return invalid_parameter(path + (head.bezier               ? ".bezier"
+                                     : head.receptacle.empty() ? ".zones"
+                                                               : ".receptacle"),
+                             "must be left out with rule active_ring", "some");
+  }
+  return std::nullopt;
+}
+
+std::optional<Error> check_head(const std::string& path, const Head& head, const std::vector<std::string>& organs,
+                                const std::vector<std::string>& pigments) {
+  if ((head.rule == PlacementRule::kActiveRing) != head.active_ring.has_value()) {
+    return head.active_ring
+               ? invalid_parameter(path + ".active_ring", "must come with rule = \"active_ring\"", "another")
+               : invalid_parameter(path + ".active_ring", "must be given with rule = \"active_ring\"", "none");
+  }
+  if (auto error = head.active_ring ? check_ring(path, head, organs) : check_outlines(path, head))
+    return error;
   if (head.bezier && grows_meristem(head.rule)) {
     return invalid_parameter(path + ".bezier", "must be false for rules that grow the meristem", "true");
   }
-  if (head.bezier && head.receptacle[0].points.size() % 3 != 1) {
+  if (head.bezier && !head.receptacle.empty() && head.receptacle[0].points.size() % 3 != 1) {
     return invalid_parameter(path + ".receptacle[0].points", "must be 3 n + 1 for n cubic Bezier curves",
                              static_cast<double>(head.receptacle[0].points.size()));
   }
@@ -105,7 +175,7 @@ std::optional<Error> check_head(const std::string& path, const Head& head, const
     if (auto error = check_name(path + ".receptacle_pigment", head.receptacle_pigment, pigments, "a pigment"))
       return error;
   }
-  if (head.zones.empty()) {
+  if (head.zones.empty() && !head.active_ring) {
     return invalid_parameter(path + ".zones", "must have at least 1 zone", 0.0);
   }
   std::vector<Zone> zones = head.zones;
@@ -120,7 +190,7 @@ std::optional<Error> check_head(const std::string& path, const Head& head, const
     }
     covered = zone.to;
   }
-  if (covered != 1.0) {
+  if (covered != 1.0 && !head.active_ring) {
     return invalid_parameter(path + ".zones", "must cover [0, 1] up to 1", covered);
   }
   if (head.fate) {
@@ -206,7 +276,8 @@ std::optional<Error> check_organ(const OrganKind& organ, const std::vector<std::
 
 /// A head that an organ carries: what it needs beyond any other.
 std::optional<Error> check_carried(const std::string& path, const Head& head) {
-  const bool grows = grows_meristem(head.rule) || head.receptacle.size() > 1 || head.growth != Head{}.growth;
+  const bool grows =
+      grows_meristem(head.rule) || head.active_ring || head.receptacle.size() > 1 || head.growth != Head{}.growth;
   if (!head.receptacle_pigment.empty() && grows) {
     return invalid_parameter(path + ".receptacle_pigment",
                              "must be left out where the receptacle grows apart from the organ that carries it: one "
@@ -226,6 +297,8 @@ std::optional<Error> check_levels(const Species& species) {
         const std::string& name = species.organs[j].name;
         carries[i][j] =
             (head->fate && head->fate->with_room == name) ||
+            (head->active_ring && (head->active_ring->floret == name || head->active_ring->bract == name ||
+                                   head->active_ring->trans_floret == name)) ||
             std::any_of(head->zones.begin(), head->zones.end(), [&](const Zone& zone) { return zone.organ == name; });
       }
     }
@@ -244,6 +317,36 @@ std::optional<Error> check_levels(const Species& species) {
     }
   }
   return std::nullopt;
+}
+
+/// As check(VeinParams), by the names that a species file has for the initials and tips.
+std::optional<Error> check_veins(const Species& species) {
+  const HeadVeins& veins = *species.vasculature;
+  if (!species.head.active_ring) {
+    return invalid_parameter("vasculature", "must come with head.rule = \"active_ring\"", "another rule");
+  }
+  if (auto error = check_whole("vasculature.frames", veins.frames, 2, 100'000))
+    return error;
+  if (auto error = check_number("vasculature.max_edge", veins.max_edge, 0.002, 1.0))
+    return error;
+  if (auto error = check_function_values("vasculature.pace", veins.pace, 1e-6, 1e3))
+    return error;
+  std::optional<Error> error = check(veins.params);
+  if (error) {
+    constexpr std::pair<const char*, const char*> kNames[] = {{"initials[0]", "bract"},
+                                                              {"initials[1]", "trans_floret"},
+                                                              {"initials[2]", "floret"},
+                                                              {"tip_diameter_mm[0]", "floret_tip_mm"},
+                                                              {"tip_diameter_mm[1]", "abaxial_tip_mm"},
+                                                              {"tip_diameter_mm[2]", "adaxial_tip_mm"}};
+    for (const auto& [cpp, key] : kNames) {
+      if (error->where.starts_with(cpp)) {
+        error->where.replace(0, std::string_view(cpp).size(), key);
+      }
+    }
+    error->where.insert(0, "vasculature.");
+  }
+  return error;
 }
 
 std::optional<Error> check_pigment(const Pigment& pigment) {
@@ -311,6 +414,10 @@ std::optional<Error> check(const Species& species) {
   }
   if (auto error = check_levels(species))
     return error;
+  if (species.vasculature) {
+    if (auto error = check_veins(species))
+      return error;
+  }
   const Peduncle& peduncle = species.peduncle;
   if (auto error = check_number("peduncle.length_mm", peduncle.length_mm, 0.0, 1e5))
     return error;

@@ -438,7 +438,7 @@ class ContinuousRing {
     }
     const std::uint32_t index = static_cast<std::uint32_t>(primordia_.size());
     Primordium one;
-    one.u = profile_.material_from_s(ring.time, ring.s);
+    one.u = std::max(0.0, profile_.material_from_s(ring.time, ring.s) - params_.lag);
     one.azimuth = azimuth;
     one.since = ring.time;
     one.left = behind;
@@ -502,6 +502,9 @@ std::optional<Error> check(const ActiveRingParams& params, const GrowingProfile&
     return error;
   }
   if (auto error = check_number("mobile_zone", params.mobile_zone, 1e-9, 1e9)) {
+    return error;
+  }
+  if (auto error = check_number("lag", params.lag, 0.0, 0.1)) {
     return error;
   }
   if (auto error = check_number("last_ring", params.last_ring, 0.0, 1.0)) {

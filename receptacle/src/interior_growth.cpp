@@ -1,8 +1,10 @@
 #include "anthesis/receptacle/interior_growth.h"
 
 #include <algorithm>
+#include <atomic>
 #include <cmath>
 #include <limits>
+#include <mutex>
 
 #include "anthesis/base/assert.h"
 #include "anthesis/base/parallel.h"
@@ -20,6 +22,10 @@ constexpr double kLeastShape = 0.14;
 constexpr double kMostStretch = 2.0;
 
 constexpr double kBoundaryTolerance = 1e-9;  ///< of the section's size
+
+// Frames whose fields are solved side by side: enough for any number of threads, and little memory.
+constexpr std::size_t kMostFramesAtOnce = 32;
+constexpr std::size_t kMostBytesAtOnce = std::size_t{1} << 24;
 
 constexpr std::size_t kChunk = 512;  ///< points that a thread carries at once
 
@@ -68,36 +74,39 @@ class TriangleGrid {
       high = {std::max(high.x, p.x), std::max(high.y, p.y)};
     }
     const Vec2 extent = high - low_;
-    const double cell = std::sqrt(extent.x * extent.y / static_cast<double>(mesh.triangles.size()));
-    across_ = std::clamp<std::size_t>(static_cast<std::size_t>(extent.x / cell), 1, 4096);
-    up_ = std::clamp<std::size_t>(static_cast<std::size_t>(extent.y / cell), 1, 4096);
+    const double cell_size = std::sqrt(extent.x * extent.y / static_cast<double>(mesh.triangles.size()));
+    across_ = std::clamp<std::size_t>(static_cast<std::size_t>(extent.x / cell_size), 1, 4096);
+    up_ = std::clamp<std::size_t>(static_cast<std::size_t>(extent.y / cell_size), 1, 4096);
     per_length_ = {static_cast<double>(across_) / extent.x, static_cast<double>(up_) / extent.y};
     first_.assign(across_ * up_ + 1, 0);
-    for (const bool is_counting : {true, false}) {
-      for (std::uint32_t t = 0; t < mesh.triangles.size(); ++t) {
-        const Vec2 a = mesh.points[mesh.triangles[t][0]];
-        const Vec2 b = mesh.points[mesh.triangles[t][1]];
-        const Vec2 c = mesh.points[mesh.triangles[t][2]];
-        const std::size_t i1 = column(std::max({a.x, b.x, c.x}));
-        const std::size_t j1 = row(std::max({a.y, b.y, c.y}));
-        for (std::size_t j = row(std::min({a.y, b.y, c.y})); j <= j1; ++j) {
-          for (std::size_t i = column(std::min({a.x, b.x, c.x})); i <= i1; ++i) {
-            if (is_counting) {
-              ++first_[j * across_ + i];
-            } else {
-              triangles_[next_[j * across_ + i]++] = t;
-            }
-          }
+    boxes_.resize(mesh.triangles.size());
+    for (std::uint32_t t = 0; t < mesh.triangles.size(); ++t) {
+      const Vec2 a = mesh.points[mesh.triangles[t][0]];
+      const Vec2 b = mesh.points[mesh.triangles[t][1]];
+      const Vec2 c = mesh.points[mesh.triangles[t][2]];
+      boxes_[t] = {column(std::min({a.x, b.x, c.x})), column(std::max({a.x, b.x, c.x})), row(std::min({a.y, b.y, c.y})),
+                   row(std::max({a.y, b.y, c.y}))};
+    }
+    const auto for_cells = [&](std::uint32_t t, const auto& body) {
+      const Box& box = boxes_[t];
+      for (std::size_t j = box.j0; j <= box.j1; ++j) {
+        for (std::size_t i = box.i0; i <= box.i1; ++i) {
+          body(j * across_ + i);
         }
       }
-      if (is_counting) {
-        std::uint32_t sum = 0;
-        for (std::uint32_t& first : first_) {
-          sum += std::exchange(first, sum);
-        }
-        triangles_.resize(sum);
-        next_ = first_;
-      }
+    };
+    first_.assign(across_ * up_ + 1, 0);
+    for (std::uint32_t t = 0; t < boxes_.size(); ++t) {
+      for_cells(t, [&](std::size_t cell) { ++first_[cell]; });
+    }
+    std::uint32_t sum = 0;
+    for (std::uint32_t& first : first_) {
+      sum += std::exchange(first, sum);
+    }
+    triangles_.resize(sum);
+    next_ = first_;
+    for (std::uint32_t t = 0; t < boxes_.size(); ++t) {
+      for_cells(t, [&](std::size_t cell) { triangles_[next_[cell]++] = t; });
     }
   }
 
@@ -113,6 +122,10 @@ class TriangleGrid {
   std::size_t column(double x) const { return index((x - low_.x) * per_length_.x, across_); }
   std::size_t row(double y) const { return index((y - low_.y) * per_length_.y, up_); }
 
+  struct Box {
+    std::size_t i0, i1, j0, j1;
+  };
+
   Vec2 low_;
   Vec2 per_length_;
   std::size_t across_ = 1;
@@ -120,6 +133,7 @@ class TriangleGrid {
   std::vector<std::uint32_t> first_;
   std::vector<std::uint32_t> next_;
   std::vector<std::uint32_t> triangles_;
+  std::vector<Box> boxes_;
 };
 
 }  // namespace
@@ -134,9 +148,13 @@ struct InteriorGrowth::State {
   SectionLaplacian laplacian;
   double least_shape = 0.0;    ///< for which the mesh is kept
   std::vector<double> values;  ///< displacement to the next frame: x, y for each point of the mesh
-  TriangleGrid grid;
-  std::vector<bool> stays_inside;  ///< of each triangle: what is in it will be in the next section
-  std::vector<Vec2> boundary;      ///< the mesh's points on contour and base, and at the last frame nothing
+
+  // What only carrying needs is made when it is first asked for: growth alone would spend a fifth of its time on it.
+  mutable std::mutex carry_mutex;
+  mutable std::atomic<bool> can_carry = false;
+  mutable TriangleGrid grid;
+  mutable std::vector<bool> stays_inside;  ///< of each triangle: what is in it will be in the next section
+  mutable std::vector<Vec2> boundary;      ///< the mesh's points on contour and base
 
   std::span<const Vec2> controls(std::size_t i) const { return sections->frame(i); }
   Vec2 displacement(std::size_t v) const { return {values[2 * v], values[2 * v + 1]}; }
@@ -185,6 +203,7 @@ struct InteriorGrowth::State {
 
   /// Makes mesh and displacement of the present frame ready; the mesh's points have been moved there.
   std::optional<Error> prepare() {
+    can_carry = false;
     bool is_kept = !mesh.points.empty();
     if (is_kept && mesh.controls.size() < controls(frame).size()) {
       is_kept = distinct_controls(controls(frame)) == mesh.controls;
@@ -250,9 +269,12 @@ struct InteriorGrowth::State {
     return prepare();
   }
 
-  /// What only carrying needs.
-  void prepare_carry() {
-    if (is_last()) {
+  void prepare_carry() const {
+    if (can_carry.load(std::memory_order_acquire)) {
+      return;
+    }
+    const std::lock_guard lock(carry_mutex);
+    if (can_carry.load(std::memory_order_relaxed)) {
       return;
     }
     grid.assign(mesh);
@@ -281,6 +303,7 @@ struct InteriorGrowth::State {
     if (!is_embedded) {
       stays_inside.assign(mesh.triangles.size(), false);
     }
+    can_carry.store(true, std::memory_order_release);
   }
 
   struct Carried {
@@ -336,9 +359,10 @@ struct InteriorGrowth::State {
   /// move(i) carries point i.
   template <class Move>
   std::size_t carry_all(std::size_t count, const Move& move) const {
-    if (is_last()) {
+    if (is_last() || count == 0) {
       return 0;
     }
+    prepare_carry();
     const std::size_t chunks = (count + kChunk - 1) / kChunk;
     std::vector<std::size_t> back(chunks, 0);
     const auto body = [&](std::size_t chunk) {
@@ -416,7 +440,6 @@ Expected<InteriorGrowth> InteriorGrowth::make(SectionSequence sections, const In
   if (std::optional<Error> error = state->begin()) {
     return unexpected(std::move(*error));
   }
-  state->prepare_carry();
   return InteriorGrowth(std::move(state));
 }
 
@@ -452,7 +475,6 @@ std::optional<Error> InteriorGrowth::advance(std::size_t frame) {
   if (error) {
     (void)state_->begin();  // it began well before
   }
-  state_->prepare_carry();
   return error;
 }
 
@@ -476,18 +498,49 @@ std::size_t InteriorGrowth::carry(std::span<Vec3> points) const {
 }
 
 std::optional<Error> InteriorGrowth::weights(const std::function<bool(const HarmonicFrame&)>& write) const {
+  // Growth goes from frame to frame; the fields of some frames are then solved side by side.
+  struct Pending {
+    std::size_t frame = 0;
+    SectionMesh mesh;
+    SectionLaplacian laplacian;
+    std::vector<double> weights;
+  };
   State state;
   state.sections = state_->sections;
   state.params = state_->params;
-  std::vector<double> all;
+  const std::size_t controls = state.sections->points_per_frame;
+  const std::size_t blocks = (controls + kFieldBlock - 1) / kFieldBlock;
+  std::vector<Pending> window;
   std::optional<Error> error = state.begin();
-  while (!error) {
-    const std::span<const Vec2> controls = state.controls(state.frame);
-    harmonic_weights(state.mesh, state.laplacian, controls.size(), all);
-    if (!write({state.frame, state.mesh, controls, all}) || state.is_last()) {
-      break;
+  for (bool is_done = error.has_value(); !is_done;) {
+    std::size_t count = 0;
+    std::size_t bytes = 0;
+    do {
+      if (window.size() == count) {
+        window.emplace_back();
+      }
+      Pending& pending = window[count++];
+      pending.frame = state.frame;
+      pending.mesh = state.mesh;
+      pending.laplacian = state.laplacian;
+      pending.weights.assign(controls * state.mesh.points.size(), 0.0);
+      bytes += pending.weights.size() * sizeof(double);
+      is_done = state.is_last();
+      if (!is_done) {
+        error = state.step();
+        is_done = error.has_value();
+      }
+    } while (!is_done && count < kMostFramesAtOnce && bytes < kMostBytesAtOnce);
+    parallel_for(count * blocks, [&](std::size_t i) {
+      Pending& pending = window[i / blocks];
+      harmonic_weight_block(pending.mesh, pending.laplacian, controls, i % blocks, pending.weights);
+    });
+    for (std::size_t i = 0; i < count; ++i) {
+      const Pending& pending = window[i];
+      if (!write({pending.frame, pending.mesh, state.controls(pending.frame), pending.weights})) {
+        return std::nullopt;
+      }
     }
-    error = state.step();
   }
   return error;
 }

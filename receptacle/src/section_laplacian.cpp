@@ -9,13 +9,20 @@
 namespace anthesis {
 namespace {
 
-constexpr std::size_t kNoSlot = std::numeric_limits<std::size_t>::max();
-
 /// An edge is flipped when its weight is below this; above, up to 0, four points are taken to lie on a circle.
 constexpr double kFlipBelow = -1e-9;
 
-/// In each of these the mesh comes nearer to Delaunay, so that the bound is never met.
-constexpr int kMostPasses = 1000;
+/// With each flip the mesh comes nearer to Delaunay, so that this many for an edge are never met.
+constexpr std::size_t kMostFlips = 1000;
+
+std::size_t corner_opposite(const MeshEdges& edges, std::uint32_t triangle, std::uint32_t e) {
+  const auto& of = edges.of_triangle[triangle];
+  return static_cast<std::size_t>(std::find(of.begin(), of.end(), e) - of.begin());
+}
+
+double cotangent(Vec2 top, Vec2 a, Vec2 b) {
+  return dot(a - top, b - top) / cross(a - top, b - top);
+}
 
 }  // namespace
 
@@ -44,108 +51,93 @@ void MeshEdges::assign(std::span<const Triangle> triangles) {
   }
 }
 
-void LaplaceFactor::analyse(const MeshEdges& edges, std::size_t points, std::size_t first_free) {
-  first_free_ = first_free;
-  const std::size_t size = points - first_free;
-  slot_.assign(edges.edges.size(), kNoSlot);
-  diagonal_.resize(size);
-  std::vector<int> rows;
-  std::vector<int> columns{0};
-  std::size_t e = 0;
-  for (std::size_t column = 0; column < size; ++column) {
-    diagonal_[column] = rows.size();
-    rows.push_back(static_cast<int>(column));
-    // Edges ascend by their points: those of a column come together, their rows ascending, as the matrix wants them.
-    for (; e < edges.edges.size() && edges.edges[e].a <= column + first_free; ++e) {
-      if (edges.edges[e].a == column + first_free) {
-        slot_[e] = rows.size();
-        rows.push_back(static_cast<int>(edges.edges[e].b - first_free));
-      }
+void MeshEdges::flip(std::uint32_t e, std::vector<Triangle>& triangles) {
+  MeshEdge& edge = edges[e];
+  const std::uint32_t one = edge.triangle;
+  const std::uint32_t two = edge.other;
+  const std::size_t top = corner_opposite(*this, one, e);
+  const std::size_t bottom = corner_opposite(*this, two, e);
+  const std::uint32_t c = triangles[one][top];
+  const std::uint32_t a = triangles[one][(top + 1) % 3];
+  const std::uint32_t b = triangles[one][(top + 2) % 3];
+  const std::uint32_t d = triangles[two][bottom];
+  const std::uint32_t bc = of_triangle[one][(top + 1) % 3];
+  const std::uint32_t ca = of_triangle[one][(top + 2) % 3];
+  const std::uint32_t ad = of_triangle[two][(bottom + 1) % 3];  // two is (d, b, a)
+  const std::uint32_t db = of_triangle[two][(bottom + 2) % 3];
+  triangles[one] = {c, a, d};
+  triangles[two] = {c, d, b};
+  of_triangle[one] = {ad, e, ca};
+  of_triangle[two] = {db, bc, e};
+  const auto hand_over = [&](std::uint32_t side, std::uint32_t from, std::uint32_t to) {
+    (edges[side].triangle == from ? edges[side].triangle : edges[side].other) = to;
+  };
+  hand_over(ad, two, one);
+  hand_over(bc, one, two);
+  edge.a = std::min(c, d);
+  edge.b = std::max(c, d);
+}
+
+void LaplaceFactor::collect(const MeshEdges& edges) {
+  inner_.clear();
+  beside_.clear();
+  pairs_.clear();
+  for (std::uint32_t e = 0; e < edges.edges.size(); ++e) {
+    const MeshEdge& edge = edges.edges[e];  // a < b
+    if (edge.a >= first_free_) {
+      inner_.push_back(e);
+      pairs_.push_back(
+          {static_cast<std::uint32_t>(edge.a - first_free_), static_cast<std::uint32_t>(edge.b - first_free_)});
+    } else if (edge.b >= first_free_) {
+      beside_.push_back(e);
     }
-    columns.push_back(static_cast<int>(rows.size()));
   }
-  const std::vector<double> values(rows.size(), 1.0);
-  matrix_ = Eigen::Map<const Eigen::SparseMatrix<double>>(static_cast<int>(size), static_cast<int>(size),
-                                                          static_cast<int>(rows.size()), columns.data(), rows.data(),
-                                                          values.data());
-  if (size > 0) {
-    factor_.analyzePattern(matrix_);
-  }
+}
+
+void LaplaceFactor::assign(const MeshEdges& edges, std::size_t points, std::size_t first_free) {
+  first_free_ = first_free;
+  size_ = points - first_free;
+  collect(edges);
+  factor_.order(size_, pairs_);
+}
+
+void LaplaceFactor::edges_flipped(const MeshEdges& edges) {
+  collect(edges);
+  factor_.analyse(pairs_);
 }
 
 void LaplaceFactor::factorise(const MeshEdges& edges, std::span<const double> weights) {
-  if (size() == 0) {
-    return;
+  diagonal_.assign(size_, 0.0);
+  below_.resize(inner_.size());
+  for (std::size_t k = 0; k < inner_.size(); ++k) {
+    const double weight = weights[inner_[k]];
+    below_[k] = -weight;
+    diagonal_[pairs_[k][0]] += weight;
+    diagonal_[pairs_[k][1]] += weight;
   }
-  double* values = matrix_.valuePtr();
-  for (const std::size_t slot : diagonal_) {
-    values[slot] = 0.0;
+  for (const std::uint32_t e : beside_) {
+    diagonal_[edges.edges[e].b - first_free_] += weights[e];
   }
-  for (std::size_t e = 0; e < edges.edges.size(); ++e) {
-    const MeshEdge& edge = edges.edges[e];
-    if (slot_[e] != kNoSlot) {
-      values[slot_[e]] = -weights[e];
-    }
-    if (edge.a >= first_free_) {
-      values[diagonal_[edge.a - first_free_]] += weights[e];
-    }
-    if (edge.b >= first_free_) {
-      values[diagonal_[edge.b - first_free_]] += weights[e];
-    }
-  }
-  factor_.factorize(matrix_);
-  ANTHESIS_ASSERT(factor_.info() == Eigen::Success);
+  factor_.factorise(diagonal_, below_);
 }
 
 template <std::size_t kWidth>
-void LaplaceFactor::solve(std::span<double> block, std::span<double> scratch) const {
-  const std::size_t n = size();
-  if (n == 0) {
-    return;
-  }
-  // Eigen's own solution takes one right-hand side after the other and reads the factor for each anew.
-  const int* order = factor_.permutationP().indices().data();
-  const auto& lower = factor_.matrixL().nestedExpression();
-  const int* columns = lower.outerIndexPtr();
-  const int* rows = lower.innerIndexPtr();
-  const double* values = lower.valuePtr();
-  const Eigen::VectorXd diagonal = factor_.vectorD();  // a copy
-  double* y = scratch.data();
-  for (std::size_t i = 0; i < n; ++i) {
-    std::copy_n(&block[i * kWidth], kWidth, y + static_cast<std::size_t>(order[i]) * kWidth);
-  }
-  for (std::size_t j = 0; j < n; ++j) {
-    double known[kWidth];
-    std::copy_n(y + j * kWidth, kWidth, known);
-    for (int e = columns[j]; e < columns[j + 1]; ++e) {
-      double* row = y + static_cast<std::size_t>(rows[e]) * kWidth;
-      for (std::size_t k = 0; k < kWidth; ++k) {
-        row[k] -= values[e] * known[k];
-      }
-    }
-  }
-  for (std::size_t j = n; j-- > 0;) {
-    double sum[kWidth];
+void LaplaceFactor::extend(const MeshEdges& edges, std::span<const double> weights, std::span<double> values) const {
+  std::fill(values.begin() + static_cast<std::ptrdiff_t>(first_free_ * kWidth), values.end(), 0.0);
+  for (const std::uint32_t e : beside_) {
+    const MeshEdge& edge = edges.edges[e];
     for (std::size_t k = 0; k < kWidth; ++k) {
-      sum[k] = y[j * kWidth + k] / diagonal[static_cast<Eigen::Index>(j)];
+      values[edge.b * kWidth + k] += weights[e] * values[edge.a * kWidth + k];
     }
-    for (int e = columns[j]; e < columns[j + 1]; ++e) {
-      const double* row = y + static_cast<std::size_t>(rows[e]) * kWidth;
-      for (std::size_t k = 0; k < kWidth; ++k) {
-        sum[k] -= values[e] * row[k];
-      }
-    }
-    std::copy_n(sum, kWidth, y + j * kWidth);
   }
-  for (std::size_t i = 0; i < n; ++i) {
-    std::copy_n(y + static_cast<std::size_t>(order[i]) * kWidth, kWidth, &block[i * kWidth]);
-  }
+  std::vector<double> scratch(size_ * kWidth);
+  factor_.solve<kWidth>(values.subspan(first_free_ * kWidth), scratch);
 }
 
 void SectionLaplacian::reset(const SectionMesh& mesh) {
   edges_.assign(mesh.triangles);
-  analysed_natural_ = false;
-  analysed_zero_ = false;
+  has_natural_ = false;
+  has_zero_ = false;
 }
 
 void SectionLaplacian::weigh(const SectionMesh& mesh) {
@@ -163,49 +155,63 @@ void SectionLaplacian::weigh(const SectionMesh& mesh) {
   }
 }
 
-bool SectionLaplacian::flip(SectionMesh& mesh) {
-  bool any = false;
-  std::vector<bool> touched;
-  for (std::size_t e = 0; e < edges_.edges.size(); ++e) {
-    const MeshEdge& edge = edges_.edges[e];
-    if (edge.other == kNoTriangle || weights_[e] >= kFlipBelow) {
-      continue;
+/// What `weigh` finds, for one edge.
+double SectionLaplacian::cotangents(const SectionMesh& mesh, std::uint32_t e) const {
+  double sum = 0.0;
+  for (const std::uint32_t t : {edges_.edges[e].triangle, edges_.edges[e].other}) {
+    if (t != kNoTriangle) {
+      const std::size_t top = corner_opposite(edges_, t, e);
+      const Triangle& triangle = mesh.triangles[t];
+      sum += 0.5 * cotangent(mesh.points[triangle[top]], mesh.points[triangle[(top + 1) % 3]],
+                             mesh.points[triangle[(top + 2) % 3]]);
     }
-    touched.resize(mesh.triangles.size(), false);
-    if (touched[edge.triangle] || touched[edge.other]) {
-      continue;  // in the next pass, if still needed
-    }
-    const auto corner = [&](std::uint32_t t) {
-      const auto& edges = edges_.of_triangle[t];
-      return static_cast<std::size_t>(std::find(edges.begin(), edges.end(), e) - edges.begin());
-    };
-    const Triangle one = mesh.triangles[edge.triangle];
-    const std::size_t top = corner(edge.triangle);
-    const std::uint32_t c = one[top];
-    const std::uint32_t a = one[(top + 1) % 3];
-    const std::uint32_t b = one[(top + 2) % 3];
-    const std::uint32_t d = mesh.triangles[edge.other][corner(edge.other)];
-    const auto& p = mesh.points;
-    if (orient2d(p[c], p[a], p[d]) <= 0 || orient2d(p[c], p[d], p[b]) <= 0) {
-      continue;
-    }
-    touched[edge.triangle] = true;
-    touched[edge.other] = true;
-    mesh.triangles[edge.triangle] = {c, a, d};
-    mesh.triangles[edge.other] = {c, d, b};
-    any = true;
   }
-  return any;
+  return sum;
+}
+
+/// True if anything was flipped.
+bool SectionLaplacian::flip_to_delaunay(SectionMesh& mesh) {
+  suspects_.clear();
+  for (std::uint32_t e = 0; e < weights_.size(); ++e) {
+    if (weights_[e] < kFlipBelow && edges_.edges[e].other != kNoTriangle) {
+      suspects_.push_back(e);
+    }
+  }
+  std::size_t flips = 0;
+  while (!suspects_.empty() && flips < kMostFlips * weights_.size()) {
+    const std::uint32_t e = suspects_.back();
+    suspects_.pop_back();
+    if (weights_[e] >= kFlipBelow || edges_.edges[e].other == kNoTriangle) {
+      continue;  // mended by another flip, or at the boundary
+    }
+    const std::uint32_t one = edges_.edges[e].triangle;
+    const std::uint32_t two = edges_.edges[e].other;
+    const std::size_t top = corner_opposite(edges_, one, e);
+    const Vec2 c = mesh.points[mesh.triangles[one][top]];
+    const Vec2 a = mesh.points[mesh.triangles[one][(top + 1) % 3]];
+    const Vec2 b = mesh.points[mesh.triangles[one][(top + 2) % 3]];
+    const Vec2 d = mesh.points[mesh.triangles[two][corner_opposite(edges_, two, e)]];
+    if (orient2d(c, a, d) <= 0 || orient2d(c, d, b) <= 0) {
+      continue;
+    }
+    edges_.flip(e, mesh.triangles);
+    ++flips;
+    for (const std::uint32_t t : {one, two}) {
+      for (const std::uint32_t side : edges_.of_triangle[t]) {
+        weights_[side] = cotangents(mesh, side);
+        if (side != e) {
+          suspects_.push_back(side);
+        }
+      }
+    }
+  }
+  return flips > 0;
 }
 
 void SectionLaplacian::refresh(SectionMesh& mesh, bool with_zero_axis) {
   weigh(mesh);
-  for (int pass = 0; pass < kMostPasses && flip(mesh); ++pass) {
-    reset(mesh);
-    weigh(mesh);
-  }
+  const bool is_flipped = flip_to_delaunay(mesh);
   const std::size_t given = mesh.contour_points();
-  const std::size_t axis_end = given + mesh.axis_points;
   axis_is_sound_ = true;
   for (std::size_t e = 0; e < weights_.size(); ++e) {
     if (weights_[e] < 0.0) {
@@ -215,68 +221,60 @@ void SectionLaplacian::refresh(SectionMesh& mesh, bool with_zero_axis) {
       weights_[e] = 0.0;  // otherwise by rounding
     }
   }
-  if (!analysed_natural_) {
-    natural_.analyse(edges_, mesh.points.size(), given);
-    analysed_natural_ = true;
-  }
-  natural_.factorise(edges_, weights_);
-  if (with_zero_axis) {
-    if (!analysed_zero_) {
-      zero_.analyse(edges_, mesh.points.size(), axis_end);
-      analysed_zero_ = true;
+  const auto renew = [&](LaplaceFactor& factor, bool& is_there, std::size_t first_free) {
+    if (!is_there) {
+      factor.assign(edges_, mesh.points.size(), first_free);
+      is_there = true;
+    } else if (is_flipped) {
+      factor.edges_flipped(edges_);
     }
-    zero_.factorise(edges_, weights_);
+    factor.factorise(edges_, weights_);
+  };
+  renew(natural_, has_natural_, given);
+  if (with_zero_axis) {
+    renew(zero_, has_zero_, given + mesh.axis_points);
   }
 }
 
 template <std::size_t kWidth>
-void SectionLaplacian::extend(const SectionMesh& mesh, AxisCondition axis, std::span<double> values) const {
-  const std::size_t points = mesh.points.size();
-  const std::size_t given = mesh.contour_points();
-  const bool natural = axis == AxisCondition::kNatural;
-  const std::size_t first_free = natural ? given : given + mesh.axis_points;
-  std::fill(values.begin() + static_cast<std::ptrdiff_t>(given * kWidth), values.end(), 0.0);
-  for (std::size_t e = 0; e < edges_.edges.size() && edges_.edges[e].a < first_free; ++e) {
-    const MeshEdge& edge = edges_.edges[e];  // a < b: only b can be free
-    if (edge.b >= first_free) {
-      for (std::size_t k = 0; k < kWidth; ++k) {
-        values[edge.b * kWidth + k] += weights_[e] * values[edge.a * kWidth + k];
-      }
-    }
-  }
-  std::vector<double> scratch((points - first_free) * kWidth);
-  (natural ? natural_ : zero_).solve<kWidth>(values.subspan(first_free * kWidth), scratch);
+void SectionLaplacian::extend([[maybe_unused]] const SectionMesh& mesh, AxisCondition axis,
+                              std::span<double> values) const {
+  ANTHESIS_ASSERT(values.size() == mesh.points.size() * kWidth);
+  (axis == AxisCondition::kNatural ? natural_ : zero_).extend<kWidth>(edges_, weights_, values);
 }
 
 template void SectionLaplacian::extend<1>(const SectionMesh&, AxisCondition, std::span<double>) const;
 template void SectionLaplacian::extend<2>(const SectionMesh&, AxisCondition, std::span<double>) const;
 template void SectionLaplacian::extend<8>(const SectionMesh&, AxisCondition, std::span<double>) const;
 
+void harmonic_weight_block(const SectionMesh& mesh, const SectionLaplacian& laplacian, std::size_t controls,
+                           std::size_t block, std::span<double> weights) {
+  const std::size_t points = mesh.points.size();
+  const std::size_t first = block * kFieldBlock;
+  std::vector<double> values(points * kFieldBlock, 0.0);
+  for (std::size_t i = 0; i < mesh.contour_points(); ++i) {
+    const SectionPlace& place = mesh.places[i];
+    if (place.from - first < kFieldBlock) {
+      values[i * kFieldBlock + place.from - first] += 1.0 - place.t;
+    }
+    if (place.t > 0.0 && place.to - first < kFieldBlock) {
+      values[i * kFieldBlock + place.to - first] += place.t;
+    }
+  }
+  laplacian.extend<kFieldBlock>(mesh, AxisCondition::kNatural, values);
+  for (std::size_t k = 0; k < kFieldBlock && first + k < controls; ++k) {
+    double* row = &weights[(first + k) * points];
+    for (std::size_t v = 0; v < points; ++v) {
+      row[v] = std::min(values[v * kFieldBlock + k], 1.0);  // by rounding only; below 0 nothing can come
+    }
+  }
+}
+
 void harmonic_weights(const SectionMesh& mesh, const SectionLaplacian& laplacian, std::size_t controls,
                       std::vector<double>& weights) {
-  constexpr std::size_t kWidth = 8;  // the factor is read once for so many fields
-  const std::size_t points = mesh.points.size();
-  weights.assign(controls * points, 0.0);
-  parallel_for((controls + kWidth - 1) / kWidth, [&](std::size_t block) {
-    const std::size_t first = block * kWidth;
-    std::vector<double> values(points * kWidth, 0.0);
-    for (std::size_t i = 0; i < mesh.contour_points(); ++i) {
-      const SectionPlace& place = mesh.places[i];
-      if (place.from - first < kWidth) {
-        values[i * kWidth + place.from - first] += 1.0 - place.t;
-      }
-      if (place.t > 0.0 && place.to - first < kWidth) {
-        values[i * kWidth + place.to - first] += place.t;
-      }
-    }
-    laplacian.extend<kWidth>(mesh, AxisCondition::kNatural, values);
-    for (std::size_t k = 0; k < kWidth && first + k < controls; ++k) {
-      double* row = &weights[(first + k) * points];
-      for (std::size_t v = 0; v < points; ++v) {
-        row[v] = std::min(values[v * kWidth + k], 1.0);  // by rounding only; below 0 nothing can come
-      }
-    }
-  });
+  weights.assign(controls * mesh.points.size(), 0.0);
+  parallel_for((controls + kFieldBlock - 1) / kFieldBlock,
+               [&](std::size_t block) { harmonic_weight_block(mesh, laplacian, controls, block, weights); });
 }
 
 }  // namespace anthesis

@@ -1,5 +1,4 @@
 #pragma once
-#include <Eigen/SparseCholesky>
 #include <array>
 #include <cstdint>
 #include <limits>
@@ -7,6 +6,7 @@
 #include <vector>
 
 #include "anthesis/receptacle/harmonic_section.h"
+#include "sparse_factor.h"
 
 namespace anthesis {
 
@@ -19,12 +19,16 @@ struct MeshEdge {
   std::uint32_t other = kNoTriangle;  ///< none at the boundary
 };
 
-/// The edges of triangles, ascending by their points.
+/// The edges of triangles.
 struct MeshEdges {
   std::vector<MeshEdge> edges;
   std::vector<std::array<std::uint32_t, 3>> of_triangle;  ///< [t][i]: the edge opposite corner i
 
+  /// Ascending by their points.
   void assign(std::span<const Triangle> triangles);
+
+  /// Turns edge e, which has two triangles, to the other diagonal of the quadrilateral that they are.
+  void flip(std::uint32_t e, std::vector<Triangle>& triangles);
 
  private:
   struct Side {
@@ -38,23 +42,26 @@ struct MeshEdges {
 /// The cotangent Laplacian of the points of a mesh that are not given, factorised.
 class LaplaceFactor {
  public:
-  /// Points below `first_free` are given.
-  void analyse(const MeshEdges& edges, std::size_t points, std::size_t first_free);
+  /// A new mesh. Points below `first_free` are given.
+  void assign(const MeshEdges& edges, std::size_t points, std::size_t first_free);
+  void edges_flipped(const MeshEdges& edges);
   void factorise(const MeshEdges& edges, std::span<const double> weights);
 
-  std::size_t size() const { return static_cast<std::size_t>(matrix_.rows()); }
-
-  /// Solves for kWidth right-hand sides at once, side by side: block[i * kWidth + k]. `scratch` is as long.
-  /// Instantiated for 1, 2 and 8. All sums run in one order, whatever kWidth: a column's bits do not depend on it.
+  /// values[i * kWidth + k] for each point of the mesh: those given are read, those free written.
   template <std::size_t kWidth>
-  void solve(std::span<double> block, std::span<double> scratch) const;
+  void extend(const MeshEdges& edges, std::span<const double> weights, std::span<double> values) const;
 
  private:
+  void collect(const MeshEdges& edges);
+
   std::size_t first_free_ = 0;
-  Eigen::SparseMatrix<double> matrix_;  ///< lower half
-  std::vector<std::size_t> diagonal_;   ///< where it stands among the values
-  std::vector<std::size_t> slot_;       ///< of each edge among the values; the largest number if it has none
-  Eigen::SimplicialLDLT<Eigen::SparseMatrix<double>, Eigen::Lower> factor_;
+  std::size_t size_ = 0;
+  std::vector<std::uint32_t> inner_;   ///< edges between two free points
+  std::vector<std::uint32_t> beside_;  ///< edges between a given point and a free one
+  std::vector<UnknownPair> pairs_;     ///< of the inner ones
+  std::vector<double> diagonal_;
+  std::vector<double> below_;
+  SparseFactor factor_;
 };
 
 /// A mesh with its Laplacian. Moving the points and calling `refresh` is much cheaper than a new one.
@@ -77,17 +84,27 @@ class SectionLaplacian {
   void extend(const SectionMesh& mesh, AxisCondition axis, std::span<double> values) const;
 
  private:
-  bool flip(SectionMesh& mesh);
+  double cotangents(const SectionMesh& mesh, std::uint32_t e) const;
+  bool flip_to_delaunay(SectionMesh& mesh);
   void weigh(const SectionMesh& mesh);
 
   MeshEdges edges_;
   std::vector<double> weights_;
+  std::vector<std::uint32_t> suspects_;  ///< edges that may have to be flipped
   LaplaceFactor natural_;
   LaplaceFactor zero_;
-  bool analysed_natural_ = false;
-  bool analysed_zero_ = false;
+  bool has_natural_ = false;
+  bool has_zero_ = false;
   bool axis_is_sound_ = true;
 };
+
+/// Fields are solved so many at once: the factor is read once for all of them.
+inline constexpr std::size_t kFieldBlock = 8;
+
+/// The harmonic coordinates of control points from block * kFieldBlock on, as many as a block has: written to their
+/// place in weights[c * points + v], which must be 0. In [0, 1].
+void harmonic_weight_block(const SectionMesh& mesh, const SectionLaplacian& laplacian, std::size_t controls,
+                           std::size_t block, std::span<double> weights);
 
 /// All harmonic coordinates: weights[c * points + v], in [0, 1]. Parallel over blocks of control points.
 void harmonic_weights(const SectionMesh& mesh, const SectionLaplacian& laplacian, std::size_t controls,

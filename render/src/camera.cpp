@@ -6,6 +6,7 @@
 
 #include "anthesis/base/assert.h"
 #include "anthesis/base/math.h"
+#include "view_axes.h"
 
 namespace anthesis {
 
@@ -36,6 +37,16 @@ struct Extremes {
 
 }  // namespace
 
+ViewAxes axes_of(const View& view) {
+  const auto [sin_azimuth, cos_azimuth] = math::sin_cos(view.azimuth_rad);
+  const auto [sin_elevation, cos_elevation] = math::sin_cos(view.elevation_rad);
+  ViewAxes axes;
+  axes.back = {cos_elevation * cos_azimuth, cos_elevation * sin_azimuth, sin_elevation};
+  axes.right = {-sin_azimuth, cos_azimuth, 0.0};
+  axes.up = cross(axes.back, axes.right);
+  return axes;
+}
+
 View View::top() {
   return {.azimuth_rad = -math::kPi / 2.0, .elevation_rad = math::kPi / 2.0};
 }
@@ -48,16 +59,19 @@ View View::front() {
 View View::three_quarter() {
   return {.azimuth_rad = math::radians(-60.0), .elevation_rad = math::radians(45.0)};
 }
+View View::bottom() {
+  return {.azimuth_rad = -math::kPi / 2.0, .elevation_rad = -math::kPi / 2.0};
+}
 
 Expected<View> parse_view(std::string_view name) {
-  constexpr std::string_view kNames[] = {"top", "side", "front", "three-quarter"};
-  constexpr View (*kViews[])() = {View::top, View::side, View::front, View::three_quarter};
+  constexpr std::string_view kNames[] = {"top", "side", "front", "three-quarter", "bottom"};
+  constexpr View (*kViews[])() = {View::top, View::side, View::front, View::three_quarter, View::bottom};
   for (std::size_t i = 0; i < std::size(kNames); ++i) {
     if (name == kNames[i]) {
       return kViews[i]();
     }
   }
-  std::string message = "must be top, side, front or three-quarter, got " + std::string(name.substr(0, 64));
+  std::string message = "must be top, side, front, three-quarter or bottom, got " + std::string(name.substr(0, 64));
   const std::string_view nearest = nearest_name(name, kNames, std::size(kNames));
   if (!nearest.empty()) {
     message += "; did you mean " + std::string(nearest) + "?";
@@ -94,12 +108,11 @@ Vec3 Camera::project(Vec3 point_mm) const {
 Camera frame(const Scene& scene, const View& view, double width, double height) {
   ANTHESIS_ASSERT(!check(view));
   ANTHESIS_ASSERT(width > 0.0 && height > 0.0);
-  const auto [sin_azimuth, cos_azimuth] = math::sin_cos(view.azimuth_rad);
-  const auto [sin_elevation, cos_elevation] = math::sin_cos(view.elevation_rad);
+  const ViewAxes axes = axes_of(view);
   Camera camera;
-  camera.back = {cos_elevation * cos_azimuth, cos_elevation * sin_azimuth, sin_elevation};
-  camera.right = {-sin_azimuth, cos_azimuth, 0.0};
-  camera.up = cross(camera.back, camera.right);
+  camera.back = axes.back;
+  camera.right = axes.right;
+  camera.up = axes.up;
   const double tan_short = 0.5 * kFilm_mm / view.focal_length_mm;
   camera.tan_half_width = tan_short * std::max(1.0, width / height);
   camera.tan_half_height = tan_short * std::max(1.0, height / width);

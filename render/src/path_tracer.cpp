@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <limits>
 
 #include "anthesis/base/assert.h"
 #include "anthesis/base/math.h"
@@ -21,7 +22,9 @@ namespace {
 constexpr int kMaxSide = 16384;
 constexpr int kMaxSamples = 65536;
 constexpr int kTile = 16;
+constexpr float kEndless = std::numeric_limits<float>::infinity();
 constexpr float kFilterRadius = 1.6F;       // pixels
+constexpr float kFilmPaths = 4.0F;          // paths that are followed from a veil for each that it stops
 constexpr float kBrightestIndirect = 3.0F;  // times white: what a single path may bring after its first surface
 
 /// Pixel offsets with the density of a Blackman and Harris window: sharp, no ringing, no weights to carry.
@@ -119,10 +122,10 @@ struct FastSky {
   }
 };
 
-/// What the first surface of a path looks like.
+/// What the first surface of a path looks like, and the veils before it.
 struct FirstHit {
-  bool plant = false;
-  Vec3f colour;
+  float coverage = 0.0F;  ///< 1 if there is a surface, else the share of light that comes from veils
+  Vec3f colour;           ///< the rest times coverage
   Vec3f normal;
   float depth = 0.0F;
 };
@@ -148,7 +151,14 @@ class Tracer {
         lamps_.emplace_back(lamp);
       }
     }
-    if (scene.ground) {
+    if (scene.haze) {
+      haze_towards_ = Vec3f(scene.haze->towards);
+      haze_clear_ = static_cast<float>(scene.haze->clear_mm);
+      haze_per_mm_ = static_cast<float>(1.0 / (scene.haze->clear_mm - scene.haze->dense_mm));
+      haze_share_ = static_cast<float>(scene.haze->share);
+    }
+    // Seen from below, a ground would only hide the plant's lower side from the light.
+    if (scene.ground && camera.position_mm.z >= scene.ground->height_mm) {
       ground_ = true;
       ground_height_ = static_cast<float>(scene.ground->height_mm);
       ground_colour_ = Vec3f(scene.ground->colour);
@@ -165,26 +175,26 @@ class Tracer {
     Vec3f colour;
     Vec3f normal;
     float depth = 0.0F;
-    int plants = 0;
+    float coverage = 0.0F;
     float luminances = 0.0F;
     float squares = 0.0F;
     // The pixel's number does not depend on the picture's size alone: 16384 rows and columns fit 28 bits.
     const std::uint32_t key = static_cast<std::uint32_t>(y) * 16384U + static_cast<std::uint32_t>(x);
     for (int s = 0; s < samples; ++s) {
       Sampler sampler(key, static_cast<std::uint32_t>(s));
+      // Veils have numbers of their own: what is behind them is drawn with the same ones as without.
+      Sampler veil_sampler(key | 0x80000000U, static_cast<std::uint32_t>(s));
       const Ray ray = camera_ray(x, y, film, sampler);
       FirstHit first;
       float taken = 0.0F;
-      const Vec3f found = exposure_ * follow(ray, sampler, first, taken);
+      const Vec3f found = exposure_ * follow(ray, sampler, veil_sampler, first, taken);
       const int which = s < half ? 0 : 1;
       light[which] += found;
       shadow[which] += taken;
-      if (first.plant) {
-        ++plants;
-        colour += first.colour;
-        normal += first.normal;
-        depth += first.depth;
-      }
+      coverage += first.coverage;
+      colour += first.colour;
+      normal += first.normal;
+      depth += first.depth;
       const float lum = luminance(found);
       luminances += lum;
       squares += lum * lum;
@@ -195,7 +205,7 @@ class Tracer {
       film.light[which][at] = (1.0F / counts[which]) * light[which];
       film.shadow[which][at] = shadow[which] / counts[which];
     }
-    film.coverage[at] = static_cast<float>(plants) / n;
+    film.coverage[at] = coverage / n;
     film.colour[at] = (1.0F / n) * colour;
     film.normal[at] = (1.0F / n) * normal;
     film.depth[at] = depth / n;
@@ -226,27 +236,116 @@ class Tracer {
     return (ground_height_ - ray.origin.z) / ray.direction.z;
   }
 
-  bool blocked(const Ray& ray) const {
-    return (ground_ && ray.direction.z < 0.0F && ray.origin.z > ground_height_) || world_.occluded(ray);
+  /// Share of the light of a place that no haze takes from the camera.
+  float clear_share(Vec3f place) const {
+    const float depth = (haze_clear_ - dot(haze_towards_, place)) * haze_per_mm_;
+    return 1.0F - haze_share_ * std::clamp(depth, 0.0F, 1.0F);
+  }
+
+  /// Share of a distant lamp's light that arrives along a ray.
+  float open_share(const Ray& ray) const {
+    if ((ground_ && ray.direction.z < 0.0F && ray.origin.z > ground_height_) || world_.occluded(ray)) {
+      return 0.0F;
+    }
+    return world_.passed(ray, kEndless);
+  }
+
+  /// Lets chance decide whether a path that goes on along `ray` ends in a veil before `reach`, which `hit` then tells.
+  bool stopped_by_veil(const Ray& ray, float reach, Sampler& sampler, Hit& hit) const {
+    bool stopped = false;
+    float u = -1.0F;
+    world_.cross_veils(ray, reach, [&](const VeilHit& veil) {
+      if (u < 0.0F) {
+        u = sampler.next().x;
+      }
+      if (u < veil.stopped) {
+        hit = veil.hit;
+        stopped = true;
+        return false;
+      }
+      u = (u - veil.stopped) / (1.0F - veil.stopped);
+      return true;
+    });
+    return stopped;
+  }
+
+  /// Light from the veils before `reach`, of all of them by the look of one. `passed`: share of what is behind that is
+  /// seen. What the camera sees of a film that stops little is no matter of chance: it would be all noise.
+  Vec3f veil_light(const Ray& ray, float reach, Sampler& sampler, FirstHit& first, float& passed) const {
+    VeilHit nearest;
+    Hit chosen;
+    float u = -1.0F;
+    passed = 1.0F;
+    world_.cross_veils(ray, reach, [&](const VeilHit& veil) {
+      if (u < 0.0F) {
+        u = sampler.next().x;
+        nearest = veil;
+      }
+      const float share = passed * veil.stopped;
+      passed *= 1.0F - veil.stopped;
+      // One of the veils so far, by their shares; what is left of the number is as good as new.
+      const float newest = std::min(1.0F, share / (1.0F - passed));
+      if (u < newest) {
+        chosen = veil.hit;
+        u /= newest;
+      } else {
+        u = (u - newest) / (1.0F - newest);
+      }
+      return passed > 0.0F;
+    });
+    if (u < 0.0F) {
+      return {};
+    }
+    const float stopped = 1.0F - passed;
+    first.coverage = stopped;
+    first.colour = stopped * world_.surface(ray, chosen).colour;
+    first.normal = stopped * nearest.normal;
+    first.depth = stopped * nearest.hit.distance * depth_scale_;
+    // Thin films give little light: it is enough to follow it for some of the samples, which stand for the others.
+    const float followed = std::min(1.0F, kFilmPaths * stopped);
+    if (sampler.next().x >= followed) {
+      return {};
+    }
+    FirstHit unused;
+    return (stopped / followed) * gather(ray, chosen, sampler, sampler, &unused);
   }
 
   /// Light that a path from the camera brings, from the plant only. `taken`: share of its light that the ground misses.
-  Vec3f follow(Ray ray, Sampler& sampler, FirstHit& first, float& taken) const {
+  Vec3f follow(Ray ray, Sampler& sampler, Sampler& veil_sampler, FirstHit& first, float& taken) const {
     Hit hit;
     const bool met = world_.intersect(ray, hit);
     const float to_ground = ground_distance(ray);
-    if (to_ground > 0.0F && (!met || to_ground < hit.distance)) {
-      taken = 1.0F - ground_share(ray.origin + to_ground * ray.direction, sampler);
-      return {};
+    const bool on_ground = to_ground > 0.0F && (!met || to_ground < hit.distance);
+    float passed = 1.0F;
+    const Vec3f veiled = veil_light(ray,
+                                    on_ground ? to_ground
+                                    : met     ? hit.distance
+                                              : kEndless,
+                                    veil_sampler, first, passed);
+    if (on_ground) {
+      taken = passed * (1.0F - ground_share(ray.origin + to_ground * ray.direction, sampler, veil_sampler));
+      return veiled;
     }
-    if (!met) {
-      return {};
+    if (!met || !(passed > 0.0F)) {
+      return veiled;
     }
-    return gather(ray, hit, sampler, &first);
+    // The filter of noise goes by the surface behind the veils, or it would smear what shows through them.
+    const Vec3f colour = first.colour;
+    const float stopped = first.coverage;
+    const Vec3f light = gather(ray, hit, sampler, veil_sampler, &first);
+    const float clear = clear_share(ray.origin + hit.distance * ray.direction);
+    const float seen = passed * clear;
+    first.colour = colour + seen * first.colour;
+    if (clear < 1.0F) {
+      first.coverage = stopped + seen;
+      first.normal = first.coverage * first.normal;
+      first.depth *= first.coverage;
+    }
+    return veiled + seen * light;
   }
 
   /// Light that leaves the surface met by `ray` back along it.
-  Vec3f gather(Ray ray, Hit hit, Sampler& sampler, FirstHit* first) const {
+  Vec3f gather(Ray ray, Hit hit, Sampler& sampler, Sampler& veil_sampler, FirstHit* first) const {
     Vec3f sum;
     Vec3f throughput(1.0F);
     const auto add = [&](Vec3f light, bool direct) {
@@ -270,7 +369,7 @@ class Tracer {
                        .translucency = static_cast<float>(pigment.translucency)},
                       frame.to_local(-ray.direction));
       if (bounce == 0 && first != nullptr) {
-        first->plant = true;
+        first->coverage = 1.0F;
         first->colour = surface.colour;
         first->normal = surface.normal;
         first->depth = hit.distance * depth_scale_;
@@ -297,9 +396,14 @@ class Tracer {
       }
       const Vec3f direction = frame.from_local(next->direction);
       ray = {leave(surface, direction), direction};
-      const bool met = world_.intersect(ray, hit);
+      bool met = world_.intersect(ray, hit);
       const float to_ground = ground_distance(ray);
-      if (to_ground > 0.0F && (!met || to_ground < hit.distance)) {
+      bool on_ground = to_ground > 0.0F && (!met || to_ground < hit.distance);
+      if (stopped_by_veil(ray, on_ground ? to_ground : met ? hit.distance : kEndless, veil_sampler, hit)) {
+        met = true;
+        on_ground = false;
+      }
+      if (on_ground) {
         // The ground's own light, as if nothing shaded it: its colour cast on the plant's underside needs no more.
         add((ground_light_ / kPiF) * ground_colour_, false);
         break;
@@ -351,14 +455,14 @@ class Tracer {
     const Vec3f towards = lamp.direction(at.x, at.y);
     const Vec3f local = frame.to_local(towards);
     const Vec3f light = (total / weights[chosen] * std::abs(local.z)) * (bsdf.value(local) * lamp.radiance_times_angle);
-    if (!(max_channel(light) > 0.0F) || blocked({leave(surface, towards), towards})) {
+    if (!(max_channel(light) > 0.0F)) {
       return {};
     }
-    return light;
+    return open_share({leave(surface, towards), towards}) * light;
   }
 
   /// Light at a point of the ground over the light there without the plant.
-  float ground_share(Vec3f point, Sampler& sampler) const {
+  float ground_share(Vec3f point, Sampler& sampler, Sampler& veil_sampler) const {
     if (!(ground_light_ > 0.0F)) {
       return 1.0F;
     }
@@ -377,8 +481,9 @@ class Tracer {
         const float weight = luminance(lamp.irradiance) * std::max(0.0F, lamp.frame.z.z);
         if (rest < weight) {
           const Vec3f towards = lamp.direction(at.x, at.y);
-          if (towards.z > 0.0F && !world_.occluded({origin, towards})) {
-            light += total / weight * towards.z * luminance(lamp.radiance_times_angle);
+          if (towards.z > 0.0F) {
+            light +=
+                open_share({origin, towards}) * (total / weight * towards.z * luminance(lamp.radiance_times_angle));
           }
           break;
         }
@@ -388,8 +493,9 @@ class Tracer {
     const auto around = sampler.next();
     const Ray up = {origin, cosine_direction(around.x, around.y)};
     Hit hit;
-    if (world_.intersect(up, hit)) {
-      light += kPiF * luminance(gather(up, hit, sampler, nullptr));
+    const bool met = world_.intersect(up, hit);
+    if (stopped_by_veil(up, met ? hit.distance : kEndless, veil_sampler, hit) || met) {
+      light += kPiF * luminance(gather(up, hit, sampler, veil_sampler, nullptr));
     } else {
       light += kPiF * luminance(sky_.radiance(up.direction));
     }
@@ -414,6 +520,10 @@ class Tracer {
   float ground_height_ = 0.0F;
   Vec3f ground_colour_;
   float ground_light_ = 0.0F;
+  Vec3f haze_towards_;
+  float haze_clear_ = 0.0F;
+  float haze_per_mm_ = 0.0F;
+  float haze_share_ = 0.0F;
 };
 
 /// The tiles that a ray from the camera could meet anything in; all of them if there is a ground or a lens.

@@ -92,6 +92,19 @@ std::optional<Error> check(const Pigment& pigment, const std::string& where) {
   return std::nullopt;
 }
 
+std::optional<Error> check(const Veil& veil, const std::string& where) {
+  if (!share(veil.facing)) {
+    return invalid_parameter(where + ".facing", "must be from 0 to 1", veil.facing);
+  }
+  if (!share(veil.edge)) {
+    return invalid_parameter(where + ".edge", "must be from 0 to 1", veil.edge);
+  }
+  if (veil.doublings < 0 || veil.doublings > 5) {
+    return invalid_parameter(where + ".doublings", "must be from 0 to 5", veil.doublings);
+  }
+  return std::nullopt;
+}
+
 std::optional<Error> check(const Lighting& lighting) {
   if (lighting.lamps.size() > 8) {
     return wrong("lighting.lamps", "must be at most 8");
@@ -177,9 +190,26 @@ std::optional<Error> check(const Scene& scene) {
     if (instance.colour && !light(*instance.colour)) {
       return wrong(where + ".colour", "must be finite and >= 0");
     }
+    if (instance.veil) {
+      if (auto error = check(*instance.veil, where + ".veil")) {
+        return error;
+      }
+    }
   }
   if (scene.ground && (!std::isfinite(scene.ground->height_mm) || !light(scene.ground->colour))) {
     return wrong("ground", "must be finite, its colour >= 0");
+  }
+  if (scene.haze) {
+    const Haze& haze = *scene.haze;
+    if (!unit(haze.towards)) {
+      return wrong("haze.towards", "must be a unit vector");
+    }
+    if (!(std::abs(haze.clear_mm) <= kFarthest_mm && haze.dense_mm < haze.clear_mm && haze.dense_mm >= -kFarthest_mm)) {
+      return wrong("haze", "must be finite, dense_mm < clear_mm");
+    }
+    if (!share(haze.share)) {
+      return invalid_parameter("haze.share", "must be from 0 to 1", haze.share);
+    }
   }
   if (!light(scene.backdrop.centre) || !light(scene.backdrop.corner)) {
     return wrong("backdrop", "must be finite and >= 0");

@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <tuple>
 
 #include "anthesis/base/parallel.h"
 
@@ -24,6 +25,9 @@ struct World::Stand {
   const Instance* instance = nullptr;
   const Shape* shape = nullptr;
   const SceneMesh* mesh = nullptr;
+  float facing = 0.0F;  ///< the three of a veil
+  float edge = 0.0F;
+  int doublings = 0;
   Vec3f axis_x;  ///< columns of the rotation
   Vec3f axis_y;
   Vec3f axis_z;
@@ -50,12 +54,19 @@ struct World::Embree {
 namespace {
 
 constexpr std::size_t kMostTriangles = 100'000'000;
+const RTCSceneFlags kRobustWithFilter = RTC_SCENE_FLAG_ROBUST | RTC_SCENE_FLAG_CONTEXT_FILTER_FUNCTION;
 
 /// Builds on one thread: with more, the order in which Embree's tree holds equal hits depends on how work was shared
 /// out.
 void commit_alone(RTCScene scene) {
   tbb::task_arena alone(1);
   alone.execute([&] { rtcJoinCommitScene(scene); });
+}
+
+/// How far new rays keep off a surface.
+float gap_at(Vec3f p, double radius) {
+  const float largest = std::max({std::abs(p.x), std::abs(p.y), std::abs(p.z)});
+  return 1e-5F * static_cast<float>(radius) + 2e-6F * largest;
 }
 
 RTCRay embree_ray(const Ray& ray) {
@@ -110,6 +121,12 @@ Expected<World> World::build(const Scene& scene, const Progress& progress) {
   for (RTCScene& made : embree.scenes) {
     made = rtcNewScene(embree.device);
   }
+  std::vector<std::uint8_t> veiled(scene.meshes.size(), 0);
+  for (const Instance& instance : scene.instances) {
+    if (instance.veil) {
+      veiled[instance.mesh] = 1;
+    }
+  }
   const bool finished = parallel_for(
       scene.meshes.size(),
       [&](std::size_t i) {
@@ -139,7 +156,7 @@ Expected<World> World::build(const Scene& scene, const Progress& progress) {
                                      sizeof(Triangle), shape.triangles.size());
         }
         rtcCommitGeometry(geometry);
-        rtcSetSceneFlags(shape.scene, RTC_SCENE_FLAG_ROBUST);
+        rtcSetSceneFlags(shape.scene, veiled[i] != 0 ? kRobustWithFilter : RTC_SCENE_FLAG_ROBUST);
         rtcAttachGeometry(shape.scene, geometry);
         rtcReleaseGeometry(geometry);
         commit_alone(shape.scene);
@@ -149,9 +166,13 @@ Expected<World> World::build(const Scene& scene, const Progress& progress) {
     return unexpected(Error{ErrorCode::kCancelled, "render", "cancelled"});
   }
 
-  world.top_ = rtcNewScene(embree.device);
-  embree.scenes.push_back(world.top_);
-  rtcSetSceneFlags(world.top_, RTC_SCENE_FLAG_ROBUST);
+  const auto add_scene = [&](RTCSceneFlags flags) {
+    RTCScene added = rtcNewScene(embree.device);
+    embree.scenes.push_back(added);
+    rtcSetSceneFlags(added, flags);
+    return added;
+  };
+  world.top_ = add_scene(RTC_SCENE_FLAG_ROBUST);
   Vec3 low = {1e30, 1e30, 1e30};
   Vec3 high = {-1e30, -1e30, -1e30};
   std::vector<Ball> local(scene.meshes.size());
@@ -166,7 +187,8 @@ Expected<World> World::build(const Scene& scene, const Progress& progress) {
   }
   for (const Instance& instance : scene.instances) {
     const Shape& shape = world.shapes_[instance.mesh];
-    if (shape.triangles.empty()) {
+    const bool clear = instance.veil && instance.veil->facing == 0.0 && instance.veil->edge == 0.0;
+    if (shape.triangles.empty() || clear) {
       continue;
     }
     Stand stand;
@@ -179,6 +201,14 @@ Expected<World> World::build(const Scene& scene, const Progress& progress) {
     stand.axis_z = Vec3f(rotate(placement.rotation, {0, 0, 1}));
     stand.origin = Vec3f(placement.position_mm);
     stand.scale = static_cast<float>(placement.scale);
+    if (instance.veil) {
+      stand.facing = static_cast<float>(instance.veil->facing);
+      stand.edge = static_cast<float>(instance.veil->edge);
+      stand.doublings = instance.veil->doublings;
+      if (world.veils_ == nullptr) {
+        world.veils_ = add_scene(kRobustWithFilter);
+      }
+    }
     RTCGeometry geometry = rtcNewGeometry(embree.device, RTC_GEOMETRY_TYPE_INSTANCE);
     rtcSetGeometryInstancedScene(geometry, shape.scene);
     const Vec3f x = stand.scale * stand.axis_x;
@@ -188,7 +218,9 @@ Expected<World> World::build(const Scene& scene, const Progress& progress) {
                                stand.origin.z};
     rtcSetGeometryTransform(geometry, 0, RTC_FORMAT_FLOAT3X4_COLUMN_MAJOR, columns);
     rtcCommitGeometry(geometry);
-    rtcAttachGeometryByID(world.top_, geometry, static_cast<unsigned>(world.stands_.size()));
+    // Both scenes count through all instances, so that a hit tells which it is.
+    rtcAttachGeometryByID(instance.veil ? world.veils_ : world.top_, geometry,
+                          static_cast<unsigned>(world.stands_.size()));
     rtcReleaseGeometry(geometry);
     const Ball ball = {apply(placement, local[instance.mesh].centre), placement.scale * local[instance.mesh].radius};
     const Vec3 reach = {ball.radius, ball.radius, ball.radius};
@@ -200,6 +232,9 @@ Expected<World> World::build(const Scene& scene, const Progress& progress) {
     world.balls_.push_back(ball);
   }
   commit_alone(world.top_);
+  if (world.veils_ != nullptr) {
+    commit_alone(world.veils_);
+  }
   if (!world.balls_.empty()) {
     world.radius_ = 0.5 * length(high - low);
   }
@@ -222,6 +257,61 @@ bool World::intersect(const Ray& ray, Hit& hit) const {
   }
   hit = {query.ray.tfar, query.hit.instID[0], query.hit.primID, query.hit.u, query.hit.v};
   return true;
+}
+
+std::size_t World::all_veils(const Ray& ray, float reach, std::array<Hit, kMostVeils>& hits) const {
+  // One walk through the tree that turns every hit down and remembers it.
+  struct Collector {
+    RTCIntersectContext context;  // first: Embree hands back a pointer to it
+    std::array<Hit, kMostVeils>& hits;
+    std::size_t count;
+  } collector = {{}, hits, 0};
+  rtcInitIntersectContext(&collector.context);
+  collector.context.filter = [](const RTCFilterFunctionNArguments* arguments) {
+    auto& all = *reinterpret_cast<Collector*>(arguments->context);
+    const auto& hit = *reinterpret_cast<const RTCHit*>(arguments->hit);
+    if (all.count < kMostVeils) {
+      all.hits[all.count++] = {reinterpret_cast<const RTCRay*>(arguments->ray)->tfar, hit.instID[0], hit.primID, hit.u,
+                               hit.v};
+    }
+    arguments->valid[0] = 0;
+  };
+  RTCRayHit query;
+  query.ray = embree_ray(ray);
+  query.ray.tfar = reach;
+  query.hit.geomID = RTC_INVALID_GEOMETRY_ID;
+  query.hit.instID[0] = RTC_INVALID_GEOMETRY_ID;
+  rtcIntersect1(veils_, &collector.context, &query);
+
+  const auto end = hits.begin() + static_cast<std::ptrdiff_t>(collector.count);
+  std::sort(hits.begin(), end, [](const Hit& a, const Hit& b) {
+    return std::tie(a.distance, a.instance, a.triangle) < std::tie(b.distance, b.instance, b.triangle);
+  });
+  // A seam that was met on both sides counts once.
+  const auto once = std::unique(hits.begin(), end, [&](const Hit& a, const Hit& b) {
+    return a.instance == b.instance &&
+           b.distance - a.distance < gap_at(ray.origin + a.distance * ray.direction, radius_);
+  });
+  return static_cast<std::size_t>(once - hits.begin());
+}
+
+VeilHit World::veil_at(const Ray& ray, const Hit& hit) const {
+  const Stand& stand = stands_[hit.instance];
+  const Shape& shape = *stand.shape;
+  const auto [i0, i1, i2] = shape.triangles[hit.triangle];
+  Vec3f normal;
+  if (shape.normals.empty()) {
+    normal = cross(shape.positions[i1] - shape.positions[i0], shape.positions[i2] - shape.positions[i0]);
+  } else {
+    normal = (1.0F - hit.b1 - hit.b2) * shape.normals[i0] + hit.b1 * shape.normals[i1] + hit.b2 * shape.normals[i2];
+  }
+  normal = stand.turned(normalized(normal));
+  const float cosine = -dot(normal, ray.direction);
+  float steepness = 1.0F - std::min(1.0F, std::abs(cosine));
+  for (int i = 0; i < stand.doublings; ++i) {
+    steepness *= steepness;
+  }
+  return {hit, cosine < 0.0F ? -normal : normal, stand.facing + (stand.edge - stand.facing) * steepness};
 }
 
 bool World::occluded(const Ray& ray) const {
@@ -292,9 +382,7 @@ Surface World::surface(const Ray& ray, const Hit& hit) const {
     surface.colour = Vec3f(
         colour_at(*surface.pigment, varied ? instance.variations[span - 1U] : PigmentVariation{}, uv, upper_side));
   }
-  const Vec3f p = surface.position;
-  const float largest = std::max({std::abs(p.x), std::abs(p.y), std::abs(p.z)});
-  surface.gap = 1e-5F * static_cast<float>(radius_) + 2e-6F * largest;
+  surface.gap = gap_at(surface.position, radius_);
   return surface;
 }
 

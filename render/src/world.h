@@ -1,4 +1,6 @@
 #pragma once
+#include <array>
+#include <cstddef>
 #include <cstdint>
 #include <memory>
 #include <span>
@@ -26,6 +28,13 @@ struct Hit {
   float b2 = 0.0F;
 };
 
+/// Where a ray crosses a veil.
+struct VeilHit {
+  Hit hit;
+  Vec3f normal;          ///< unit, smooth, to the side that the ray comes from
+  float stopped = 0.0F;  ///< share of the light
+};
+
 /// A point of a surface, seen from somewhere.
 struct Surface {
   Vec3f position;  ///< on the triangle, recomputed from its corners
@@ -46,8 +55,37 @@ class World {
   World(World&&) noexcept;
   ~World();
 
-  bool intersect(const Ray& ray, Hit& hit) const;
-  bool occluded(const Ray& ray) const;
+  bool intersect(const Ray& ray, Hit& hit) const;  ///< the first surface that is no veil
+  bool occluded(const Ray& ray) const;             ///< by such a surface
+
+  /// Calls meet(VeilHit), nearest first, for the veils that stop some of the light of a ray before `reach`, until it
+  /// answers false. Of more than kMostVeils some are passed over.
+  template <class Meet>
+  void cross_veils(const Ray& ray, float reach, Meet&& meet) const {
+    if (veils_ == nullptr) {
+      return;
+    }
+    std::array<Hit, kMostVeils> hits;
+    const std::size_t count = all_veils(ray, reach, hits);
+    for (std::size_t i = 0; i < count; ++i) {
+      const VeilHit veil = veil_at(ray, hits[i]);
+      if (veil.stopped > 0.0F && !meet(veil)) {
+        return;
+      }
+    }
+  }
+
+  /// Share of light that the veils between a ray's origin and `reach` let through.
+  float passed(const Ray& ray, float reach) const {
+    float share = 1.0F;
+    cross_veils(ray, reach, [&](const VeilHit& veil) {
+      share *= 1.0F - veil.stopped;
+      return share > 0.0F;
+    });
+    return share;
+  }
+
+  /// A surface that was met, veil or not.
   Surface surface(const Ray& ray, const Hit& hit) const;
 
   /// Centre and radius of each instance that has triangles.
@@ -62,11 +100,17 @@ class World {
   struct Shape;
   struct Stand;
   struct Embree;
+  static constexpr std::size_t kMostVeils = 16;
   World();
+
+  /// Where a ray meets veils before `reach`, nearest first; how many.
+  std::size_t all_veils(const Ray& ray, float reach, std::array<Hit, kMostVeils>& hits) const;
+  VeilHit veil_at(const Ray& ray, const Hit& hit) const;
 
   const Scene* scene_ = nullptr;
   std::unique_ptr<Embree> embree_;
   RTCSceneTy* top_ = nullptr;
+  RTCSceneTy* veils_ = nullptr;  ///< apart, so that rays need not stop there; none: nullptr
   std::vector<Shape> shapes_;
   std::vector<Stand> stands_;
   std::vector<Ball> balls_;

@@ -58,7 +58,7 @@ TEST(Frame, HoldsEveryVertexInsideTheMarginsAndTouchesTwoOfThem) {
   View low = View::three_quarter();
   low.elevation_rad = math::radians(-70.0);
   low.focal_length_mm = 28.0;
-  for (View view : {View::top(), View::side(), View::front(), View::three_quarter(), low}) {
+  for (View view : {View::top(), View::side(), View::front(), View::three_quarter(), View::bottom(), low}) {
     view.margin = 0.08;
     for (const auto& [width, height] : {std::pair{600.0, 600.0}, {1600.0, 900.0}, {400.0, 1200.0}}) {
       const Bounds bounds = seen(scene, frame(scene, view, width, height));
@@ -84,19 +84,27 @@ TEST(Frame, TopLooksDownWithYUpAndSideKeepsTheStemUpright) {
   EXPECT_NEAR(side.up.z, 1.0, 1e-12);
 }
 
+TEST(Frame, BottomLooksUpAsIfTheTopHadBeenTiltedOver) {
+  const Camera bottom = frame(heap(), View::bottom(), 1, 1);
+  EXPECT_NEAR(bottom.back.z, -1.0, 1e-12);
+  EXPECT_NEAR(bottom.up.y, -1.0, 1e-12);
+  EXPECT_NEAR(bottom.right.x, 1.0, 1e-12);
+}
+
 TEST(Frame, OfNothingIsStillACamera) {
   const Camera camera = frame(Scene{}, View::front(), 4, 3);
   EXPECT_GT(camera.project({0, 0, 0}).z, 1.0);
 }
 
 TEST(ParseView, KnowsItsNamesAndGuessesSlips) {
-  for (const char* name : {"top", "side", "front", "three-quarter"}) {
+  for (const char* name : {"top", "side", "front", "three-quarter", "bottom"}) {
     EXPECT_TRUE(parse_view(name).has_value()) << name;
   }
   const auto slip = parse_view("three_quarter");
   ASSERT_FALSE(slip.has_value());
   EXPECT_EQ(slip.error().code, ErrorCode::kUnknownParameter);
   EXPECT_NE(slip.error().message.find("did you mean three-quarter?"), std::string::npos);
+  EXPECT_NE(parse_view("botom").error().message.find("did you mean bottom?"), std::string::npos);
 }
 
 TEST(CheckView, NamesTheField) {

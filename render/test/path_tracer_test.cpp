@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <limits>
 
 #include "../src/bsdf.h"
@@ -277,6 +278,204 @@ TEST(Trace, GroundDarkensUnderThePlantAndNowhereElse) {
   const auto alpha = [&](int x, int y) { return picture.rgba[4 * (y * 96 + x) + 3]; };
   EXPECT_GT(alpha(48, 48), 0.1F);  // the gap in the middle of the ring
   EXPECT_LT(alpha(2, 2), 0.02F);
+}
+
+TEST(Trace, AGroundDoesNotTakeTheLightOfAPlantSeenFromBelow) {
+  Scene scene = ring();
+  const Camera camera = frame(scene, View::bottom(), 40, 40);
+  scene.lighting = studio_lighting(camera);
+  RenderOptions options = small();
+  const Picture standing = traced(scene, options, camera);
+  scene.ground.reset();
+  EXPECT_EQ(standing.rgba, traced(scene, options, camera).rgba);
+}
+
+/// The scene's first mesh as a veil.
+Instance veil_at(double height, Veil veil) {
+  Instance instance;
+  instance.world_from_mesh.position_mm = {0, 0, height};
+  instance.veil = veil;
+  return instance;
+}
+
+Veil even_veil(double share) {
+  return {.facing = share, .edge = share, .doublings = 0};
+}
+
+TEST(Haze, FadesByTheShareOfItsDepth) {
+  for (const auto& [height, kept] : {std::pair{0.0, 1.0}, {-5.0, 0.7}, {-10.0, 0.4}, {-20.0, 0.4}}) {
+    Scene scene = sheet(matt(0.5, 0.0));
+    scene.instances[0].world_from_mesh.position_mm.z = height;
+    scene.haze = Haze{.clear_mm = 0.0, .dense_mm = -10.0, .share = 0.6};
+    for (const bool filtered : {false, true}) {
+      RenderOptions options = small();
+      options.denoise = filtered;
+      const Picture picture = traced(scene, options);
+      EXPECT_NEAR(mean(picture, 1), 0.5 * kept, 1e-3);
+      EXPECT_NEAR(mean(picture, 3), kept, 1e-4);
+    }
+  }
+}
+
+TEST(Veil, LetsThroughWhatItDoesNotStop) {
+  for (const double stopped : {0.0, 0.1, 0.5, 1.0}) {
+    Scene scene = sheet(matt(0.8, 0.0));  // under an even sky: radiance 0.8 without the veil
+    scene.pigments.push_back(matt(0.0, 0.0));
+    scene.meshes.push_back(scene.meshes[0]);
+    scene.meshes[1].spans = {{0, 2, 1}};
+    scene.instances.push_back(veil_at(10.0, even_veil(stopped)));
+    scene.instances[1].mesh = 1;
+    // The camera is far above: light crosses the black veil on its way to the sheet and once more on its way back.
+    const double passed = 1.0 - stopped;
+    EXPECT_NEAR(mean(traced(scene, small(256)), 0), 0.8 * passed * passed, 0.002 + 0.004 * passed) << stopped;
+  }
+}
+
+TEST(Veil, DimsALampByWhatItStops) {
+  for (const double stopped : {0.2, 0.7}) {
+    Scene scene = sheet(matt(0.5, 0.0));
+    scene.pigments.push_back(matt(0.0, 0.0));
+    scene.meshes.push_back(scene.meshes[0]);
+    scene.meshes[1].spans = {{0, 2, 1}};
+    scene.lighting = darkness();
+    scene.lighting.lamps = {{{0.0, 0.0, 1.0}, 0.02, {math::kPi, math::kPi, math::kPi}}};
+    scene.instances.push_back(veil_at(60.0, even_veil(stopped)));  // beyond the camera
+    scene.instances[1].mesh = 1;
+    const Picture picture = traced(scene, small());
+    EXPECT_NEAR(mean(picture, 0), 0.5 * (1.0 - stopped), 1e-3);
+    EXPECT_EQ(mean(picture, 3), 1.0);
+  }
+}
+
+TEST(Veil, OfAlmostNothingLeavesThePictureAsItIs) {
+  Scene scene = ring();
+  const Camera camera = frame(scene, View::three_quarter(), 24, 16);
+  scene.lighting = studio_lighting(camera);
+  RenderOptions options = small();
+  options.denoise = true;
+  const Picture without = traced(scene, options, camera);
+  scene.instances.push_back(veil_at(3.0, {.facing = 0.0, .edge = 0.0}));
+  scene.instances.back().world_from_mesh.scale = 2.0;
+  EXPECT_EQ(traced(scene, options, camera).rgba, without.rgba);
+  scene.instances.back().veil = even_veil(1e-6);
+  const Picture faint = traced(scene, options, camera);
+  for (std::size_t i = 0; i < faint.rgba.size(); ++i) {
+    EXPECT_NEAR(faint.rgba[i], without.rgba[i], 1e-3);
+  }
+}
+
+TEST(Veil, ThatStopsAllIsAsGoodAsSolid) {
+  Scene scene = ring();
+  const Camera camera = frame(scene, View::three_quarter(), 24, 16);
+  scene.lighting = studio_lighting(camera);
+  const Picture solid = traced(scene, small(64), camera);
+  for (Instance& instance : scene.instances) {
+    instance.veil = even_veil(1.0);
+  }
+  const Picture veiled = traced(scene, small(64), camera);
+  for (int channel = 0; channel < 4; ++channel) {
+    EXPECT_NEAR(mean(veiled, channel) / mean(solid, channel), 1.0, 0.01) << channel;
+  }
+}
+
+TEST(Veil, AWhiteOneInAnEvenSkyCannotBeSeen) {
+  // Whatever it stops comes back as bright: no light is lost or made, on straight ways or scattered ones.
+  for (const double facing : {0.01, 0.3}) {
+    Scene scene;
+    scene.pigments = {matt(1.0, 0.5)};
+    scene.meshes.push_back({unit_sphere(), {}});
+    for (const double size : {1.0, 1.5, 2.0}) {
+      scene.instances.emplace_back();
+      scene.instances.back().world_from_mesh.scale = size;
+      scene.instances.back().veil = Veil{.facing = facing, .edge = 3.0 * facing, .doublings = 2};
+    }
+    RenderOptions options = small(256);
+    options.max_bounces = 64;
+    const Picture picture = traced(scene, options, frame(scene, View::front(), 24, 16));
+    double light = 0.0;
+    double coverage = 0.0;
+    for (std::size_t i = 0; i < picture.rgba.size(); i += 4) {
+      light += picture.rgba[i];
+      coverage += picture.rgba[i + 3];
+    }
+    EXPECT_GT(coverage, 200.0 * facing);
+    EXPECT_NEAR(light / coverage, 1.0, 0.01) << facing;
+  }
+}
+
+TEST(Veil, IsDenseWhereItIsSeenEdgeOn) {
+  Scene scene;
+  scene.pigments = {matt(1.0, 0.5)};
+  scene.meshes.push_back({unit_sphere(), {}});
+  scene.instances.emplace_back();
+  scene.instances[0].veil = Veil{.facing = 0.02, .edge = 0.9, .doublings = 3};
+  RenderOptions options = small();
+  options.width = options.height = 101;
+  const Camera camera = frame(scene, View::front(), 1, 1);
+  const Picture picture = traced(scene, options, camera);
+  const auto coverage = [&](int x) { return static_cast<double>(picture.rgba[4 * (50 * 101 + x) + 3]); };
+  EXPECT_NEAR(coverage(50), 1.0 - 0.98 * 0.98, 1e-4);  // the near side and the far one
+  double densest = 0.0;
+  for (int x = 0; x < 50; ++x) {
+    densest = std::max(densest, coverage(x));
+  }
+  EXPECT_GT(densest, 0.4);  // over a pixel's width
+  EXPECT_EQ(coverage(1), 0.0);
+}
+
+TEST(Veil, DoesNotShadeWhatPassesThroughMoreSurfacesThanAPathMayMeet) {
+  // Twenty films of 1 %, one bounce: what is below shows through them all.
+  Scene scene = sheet(matt(1.0, 0.0));
+  for (int i = 0; i < 20; ++i) {
+    scene.instances.push_back(veil_at(1.0 + i, even_veil(0.01)));
+  }
+  RenderOptions options = small(64);
+  options.max_bounces = 1;
+  EXPECT_GT(mean(traced(scene, options), 0), 0.8);
+}
+
+TEST(Veil, GivesTheSameBytesForAnyNumberOfThreads) {
+  Scene scene = ring();
+  scene.instances.push_back(veil_at(3.0, {}));
+  scene.instances.back().world_from_mesh.scale = 9.0;
+  const Camera camera = frame(scene, View::three_quarter(), 80, 60);
+  scene.lighting = studio_lighting(camera);
+  std::vector<float> first;
+  for (const int threads : {1, 2, 3}) {
+    const ThreadLimit limit(threads);
+    const Picture picture = traced(scene, RenderOptions::draft(80, 60), camera);
+    if (first.empty()) {
+      first = picture.rgba;
+    }
+    EXPECT_EQ(picture.rgba, first) << threads;
+  }
+}
+
+TEST(Veil, LetsTheFilterOfNoiseSeeTheRimsBehindIt) {
+  // A dark ball before a light sheet: the film over them makes the filtered picture no worse.
+  const auto error = [](double stopped) {
+    Scene scene = sheet(matt(0.8, 0.0));
+    scene.meshes.push_back({unit_sphere(), {}});
+    Instance ball;
+    ball.mesh = 1;
+    ball.world_from_mesh = {{3, 5, 1}, {}, 4.0};
+    ball.colour = Colour{0.05, 0.05, 0.05};
+    scene.instances.push_back(ball);
+    scene.instances.push_back(veil_at(20.0, even_veil(stopped)));
+    RenderOptions options = small(16);
+    options.width = options.height = 64;
+    options.denoise = true;
+    const Picture clean = traced(scene, options);
+    options.denoise = false;
+    options.samples = 256;
+    const Picture truth = traced(scene, options);
+    double sum = 0.0;
+    for (std::size_t i = 0; i < truth.rgba.size(); i += 4) {
+      sum += (clean.rgba[i] - truth.rgba[i]) * (clean.rgba[i] - truth.rgba[i]);
+    }
+    return sum;
+  };
+  EXPECT_LT(error(0.1), 1.2 * error(0.0));
 }
 
 TEST(Trace, CanBeCancelledInEveryStage) {

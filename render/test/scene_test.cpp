@@ -51,6 +51,14 @@ TEST(CheckScene, NamesWhatIsWrong) {
   EXPECT_EQ(where([](Scene& s) { s.pigments[0].translucency = 1.5; }), "pigments[0].translucency");
   EXPECT_EQ(where([](Scene& s) { s.lighting.lamps.push_back({.towards = {1, 1, 1}}); }), "lighting.lamps[0].towards");
   EXPECT_EQ(where([](Scene& s) { s.lighting.sky.zenith.g = -1.0; }), "lighting.sky");
+  EXPECT_EQ(where([](Scene& s) { s.haze = Haze{}; }), "nothing");
+  EXPECT_EQ(where([](Scene& s) { s.haze = Haze{.towards = {0, 0, 2}}; }), "haze.towards");
+  EXPECT_EQ(where([](Scene& s) { s.haze = Haze{.clear_mm = -1.0}; }), "haze");
+  EXPECT_EQ(where([](Scene& s) { s.haze = Haze{.share = 2.0}; }), "haze.share");
+  EXPECT_EQ(where([](Scene& s) { s.instances[0].veil = Veil{}; }), "nothing");
+  EXPECT_EQ(where([](Scene& s) { s.instances[0].veil = Veil{.facing = -0.1}; }), "instances[0].veil.facing");
+  EXPECT_EQ(where([](Scene& s) { s.instances[0].veil = Veil{.edge = 1.1}; }), "instances[0].veil.edge");
+  EXPECT_EQ(where([](Scene& s) { s.instances[0].veil = Veil{.doublings = 6}; }), "instances[0].veil.doublings");
 }
 
 TEST(OpenIrradiance, IsPiUnderAnEvenSkyAndAddsLampsByTheirCosine) {

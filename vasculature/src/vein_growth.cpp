@@ -93,7 +93,7 @@ Expected<Vasculature> VeinGrowth::run() {
     if (frame_ < last_) {
       const bool all = frame_ == stride_end_;
       if (all) {
-        network_.split(params_.split_length);
+        network_.split(params_.split_length_mm);
         // Full strides end at multiples of themselves, so that nothing shifts those after it.
         stride_end_ = std::min(last_, (frame_ / options_.stride + 1) * options_.stride);
       }
@@ -231,7 +231,7 @@ Vasculature VeinGrowth::at(std::uint32_t frame) const {
 
 void VeinGrowth::make_ring() {
   const Vec2 rim = growth_.outline(0).back();
-  const double radius = std::max(params_.ring_radius * rim.x - params_.ring_inset, 0.0);
+  const double radius = std::max(params_.ring_radius * rim.x - params_.ring_inset_mm, 0.0);
   const int mature = std::max(1, static_cast<int>(params_.maturation_frames.at(0.0)));
   ring_ = static_cast<std::uint32_t>(params_.ring_vertices);
   for (std::uint32_t i = 0; i < ring_; ++i) {
@@ -281,10 +281,10 @@ void VeinGrowth::bear(std::size_t p) {
   const math::SinCos azimuth = math::sin_cos(primordium.azimuth_rad);
   const auto turned = [&](Vec2 v) { return Vec3{v.x * azimuth.cos, v.x * azimuth.sin, v.y}; };
   const double depth =
-      initial.depth * factor * (initial.depth_follows_course ? params_.depth_course.at(time_of(frame_)) : 1.0);
+      initial.depth_mm * factor * (initial.depth_follows_course ? params_.depth_course.at(time_of(frame_)) : 1.0);
   NewVertex vertex;
   vertex.position = turned(place.position);
-  vertex.momentum = depth * turned(place.inward) - Vec3{0.0, 0.0, initial.sinking};
+  vertex.momentum = depth * turned(place.inward) - Vec3{0.0, 0.0, initial.sinking_mm};
   vertex.kind = initial.kind;
   vertex.age = -delay;
   vertex.factor = initial.initial_resistivity_factor;
@@ -333,7 +333,7 @@ void VeinGrowth::grow_initial(std::size_t p) {
   network_.age[strand.surface] = 0;
   const Vec3 depth = network_.momentum[strand.surface];
   const Vec3 direction = normalized(depth);
-  const double steps = std::ceil(length(depth) / params_.step);
+  const double steps = std::ceil(length(depth) / params_.step_mm);
   std::uint32_t outer = strand.surface;
   for (double i = 0.0; i < steps; i += 1.0) {
     Vec3 step = deviated(direction, initial.jitter, rng);
@@ -341,7 +341,7 @@ void VeinGrowth::grow_initial(std::size_t p) {
       step = normalized(step);
     }
     NewVertex vertex;
-    vertex.position = network_.position[outer] + params_.step * step;
+    vertex.position = network_.position[outer] + params_.step_mm * step;
     vertex.momentum = depth;
     vertex.kind = initial.kind;
     vertex.factor = initial.initial_resistivity_factor;
@@ -372,7 +372,7 @@ void VeinGrowth::prepare_joinable() {
       joinable_.push_back(v);
     }
   }
-  joinable_grid_.build(network_.position, network_.resistance, joinable_, params_.merge_distance);
+  joinable_grid_.build(network_.position, network_.resistance, joinable_, params_.merge_distance_mm);
 }
 
 /// Resistance from `p` through ground to `v` and on through strands (O24 eqs. 7 to 13).
@@ -429,34 +429,36 @@ std::uint32_t VeinGrowth::choose(Vec3 p, const std::vector<char>* excluded) {
   double oldest = 0.0;
   std::vector<std::pair<std::uint32_t, double>> visible;
   if (by_age) {
-    visit_visible(p, network_.position, candidates, params_.shielding_angle_rad, [&](std::uint32_t v, double d) {
-      visible.emplace_back(v, d);
-      oldest = std::max(oldest, static_cast<double>(network_.age[v]));
-      return true;
-    });
+    visit_visible(p, network_.position, candidates, math::radians(params_.shielding_angle_deg),
+                  [&](std::uint32_t v, double d) {
+                    visible.emplace_back(v, d);
+                    oldest = std::max(oldest, static_cast<double>(network_.age[v]));
+                    return true;
+                  });
   }
   if (params_.visible_only) {
     if (by_age) {
       for (const auto& [v, d] : visible) {
-        if (d < params_.merge_distance) {
+        if (d < params_.merge_distance_mm) {
           return v;
         }
         consider(v, oldest);
       }
       return best;
     }
-    visit_visible(p, network_.position, candidates, params_.shielding_angle_rad, [&](std::uint32_t v, double d) {
-      if (d < params_.merge_distance) {
-        best = v;
-        return false;
-      }
-      consider(v, 0.0);
-      return ground * d < least;  // no farther one can be better
-    });
+    visit_visible(p, network_.position, candidates, math::radians(params_.shielding_angle_deg),
+                  [&](std::uint32_t v, double d) {
+                    if (d < params_.merge_distance_mm) {
+                      best = v;
+                      return false;
+                    }
+                    consider(v, 0.0);
+                    return ground * d < least;  // no farther one can be better
+                  });
     return best;
   }
   std::uint32_t near = kNoVertex;
-  joinable_grid_.within(p, params_.merge_distance, [&](std::uint32_t v, double) {
+  joinable_grid_.within(p, params_.merge_distance_mm, [&](std::uint32_t v, double) {
     if (allowed(v)) {
       near = std::min(near, v);
     }
@@ -481,7 +483,7 @@ std::uint32_t VeinGrowth::choose(Vec3 p, const std::vector<char>* excluded) {
 std::uint32_t VeinGrowth::merge_partner(Vec3 p, const std::vector<char>* excluded) const {
   std::uint32_t found = kNoVertex;
   double nearest = kInfinite;
-  joinable_grid_.within(p, params_.merge_distance, [&](std::uint32_t v, double square) {
+  joinable_grid_.within(p, params_.merge_distance_mm, [&](std::uint32_t v, double square) {
     if (excluded != nullptr && (*excluded)[v]) {
       return;
     }
@@ -520,7 +522,7 @@ VeinGrowth::Path VeinGrowth::find_path(Vec3 p, Vec3 momentum, const VeinJitter& 
     std::uint32_t near = kNoVertex;
     if (params_.retarget) {
       target = i == 0 ? target : choose(p, excluded);
-      near = length(network_.position[target] - p) <= params_.merge_distance ? target : kNoVertex;
+      near = length(network_.position[target] - p) <= params_.merge_distance_mm ? target : kNoVertex;
     } else {
       near = merge_partner(p, excluded);
     }
@@ -548,7 +550,7 @@ VeinGrowth::Path VeinGrowth::find_path(Vec3 p, Vec3 momentum, const VeinJitter& 
     }
     momentum = length(momentum) * step;
     step = deviated(step, jitter, rng);
-    p += params_.step * step;
+    p += params_.step_mm * step;
     path.points.push_back(p);
   }
   path.found = target;  // never seen to happen: a strand that lost its way goes straight to its target
@@ -688,7 +690,7 @@ void VeinGrowth::reticulate_by_neighbour(std::size_t p) {
   std::vector<Neighbour> neighbours;
   for (const std::uint32_t v : reticulation_points_) {
     const double distance = length(network_.position[v] - network_.position[point]);
-    if (distance <= rules.neighbourhood && v != point) {
+    if (distance <= rules.neighbourhood_mm && v != point) {
       neighbours.push_back({distance, v});
     }
   }
@@ -718,7 +720,7 @@ void VeinGrowth::reticulate_by_neighbour(std::size_t p) {
   }
   const double distance = length(network_.position[end] - network_.position[point]);
   const double resistance = distance * (ground() + network_.resistivity[end]) + network_.resistance[end];
-  if (distance > rules.reach || resistance - network_.resistance[point] > rules.difference_limit) {
+  if (distance > rules.reach_mm || resistance - network_.resistance[point] > rules.difference_limit) {
     return;
   }
 
@@ -729,12 +731,12 @@ void VeinGrowth::reticulate_by_neighbour(std::size_t p) {
   std::uint32_t tip = end;
   for (int i = 0; i < kMostSteps; ++i) {
     const Vec3 rest = network_.position[point] - network_.position[tip];
-    if (length(rest) <= params_.merge_distance) {
+    if (length(rest) <= params_.merge_distance_mm) {
       break;
     }
     if (length(rest) <= kFreeShare * distance) {
       std::uint32_t other = kNoVertex;
-      joinable_grid_.within(network_.position[tip], params_.merge_distance, [&](std::uint32_t v, double) {
+      joinable_grid_.within(network_.position[tip], params_.merge_distance_mm, [&](std::uint32_t v, double) {
         if (network_.resistance[v] > own && (other == kNoVertex || v < other)) {
           other = v;
         }
@@ -745,9 +747,9 @@ void VeinGrowth::reticulate_by_neighbour(std::size_t p) {
       }
     }
     NewVertex vertex;
-    vertex.position = network_.position[tip] + params_.step * normalized(deviated(normalized(rest), jitter, rng));
+    vertex.position = network_.position[tip] + params_.step_mm * normalized(deviated(normalized(rest), jitter, rng));
     vertex.parent = tip;
-    vertex.kind = network_.kind[point];
+    vertex.kind = initial_of(p).strand;
     vertex.age = network_.age[end];
     vertex.factor = network_.factor[end];
     vertex.resistivity = network_.resistivity[end];
@@ -778,14 +780,14 @@ void VeinGrowth::add_sources() {
     all[i] = i;
     positions[i] = sources_[i].position;
   }
-  grid.build(positions, {}, std::move(all), rules.spacing);
+  grid.build(positions, {}, std::move(all), rules.spacing_mm);
   std::vector<Source> accepted;
   for (int rejected = 0; rejected < kMostRejections && std::cmp_less(accepted.size(), rules.sources_per_frame);) {
     const math::SinCos azimuth = math::sin_cos(math::kTurnRad * rng.uniform());
-    const Vec2 p = place.position + random_in(rng, rules.depth_range) * place.inward;
+    const Vec2 p = place.position + random_in(rng, rules.depth_mm) * place.inward;
     const Vec3 source = {p.x * azimuth.cos, p.x * azimuth.sin, p.y};
     bool free = true;  // of the sources of earlier frames
-    grid.within(source, rules.spacing, [&](std::uint32_t, double) { free = false; });
+    grid.within(source, rules.spacing_mm, [&](std::uint32_t, double) { free = false; });
     if (free) {
       accepted.push_back({source, {}});
       rejected = 0;
@@ -808,7 +810,7 @@ void VeinGrowth::colonise() {
     }
   }
   VertexGrid grid;
-  grid.build(network_.position, {}, std::move(growing), rules.kill_distance);
+  grid.build(network_.position, {}, std::move(growing), rules.kill_distance_mm);
   if (grid.empty()) {
     return;
   }
@@ -823,7 +825,7 @@ void VeinGrowth::colonise() {
   std::vector<Source> left;
   std::size_t planned = 0;
   for (std::uint32_t i = 0; i < sources_.size(); ++i) {
-    if (length(sources_[i].position - network_.position[nearest[i]]) <= rules.kill_distance) {
+    if (length(sources_[i].position - network_.position[nearest[i]]) <= rules.kill_distance_mm) {
       continue;
     }
     pulls.push_back({nearest[i], static_cast<std::uint32_t>(left.size())});
@@ -834,7 +836,7 @@ void VeinGrowth::colonise() {
   sources_ = std::move(left);
   std::stable_sort(pulls.begin(), pulls.end(), [](const Pull& a, const Pull& b) { return a.vertex < b.vertex; });
   const double time = time_of(frame_);
-  const double step = rules.step * (2.0 - time * time * (3.0 - 2.0 * time));
+  const double step = rules.step_mm * (2.0 - time * time * (3.0 - 2.0 * time));
   for (std::size_t i = 0; i < pulls.size();) {
     const std::uint32_t from = pulls[i].vertex;
     Vec3 sum;

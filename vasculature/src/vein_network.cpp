@@ -183,7 +183,7 @@ Diameters diameters(const VeinNetwork& network, const VeinParams& params, std::u
   if (params.diameter_rule == DiameterRule::kMurray) {
     double by_kind[3];
     for (int k = 0; k < 3; ++k) {
-      by_kind[k] = math::pow(params.tip_diameter[k], exponent);
+      by_kind[k] = math::pow(params.tip_diameter_mm[k], exponent);
     }
     std::vector<double> tips(count, 0.0);
     for (std::uint32_t v = ring; v < count; ++v) {
@@ -224,7 +224,7 @@ Diameters diameters(const VeinNetwork& network, const VeinParams& params, std::u
     }
     const double sum = above[*v] + more[*v];
     result.vertices[*v] =
-        sum > 0.0 ? params.tip_diameter[static_cast<int>(network.kind[*v])] * math::pow(sum, 1.0 / exponent) : 0.0;
+        sum > 0.0 ? params.tip_diameter_mm[static_cast<int>(network.kind[*v])] * math::pow(sum, 1.0 / exponent) : 0.0;
   }
   for (std::size_t w = 0; w < result.second_ways.size(); ++w) {
     result.second_ways[w] = result.vertices[network.second_ways[w].to];

@@ -51,19 +51,21 @@ class Checker {
 
 }  // namespace
 
+VeinParams::VeinParams() = default;
+
 std::optional<Error> check(const VeinParams& params) {
   constexpr double kSmall = 1e-9;
   Checker checker;
   checker.whole("ring_vertices", params.ring_vertices, 1, 100'000);
   checker.number("ring_radius", params.ring_radius, kSmall, 1.0);
-  checker.number("ring_inset", params.ring_inset, 0.0, kMost);
+  checker.number("ring_inset_mm", params.ring_inset_mm, 0.0, kMost);
   checker.number("first_start", params.first_start, 0.0, 1.0);
   for (std::size_t i = 0; i < params.initials.size(); ++i) {
     const VeinInitial& initial = params.initials[i];
     const std::string where = "initials[" + std::to_string(i) + "].";
-    checker.number(where + "depth", initial.depth, kSmall, 1e4 * params.step);
+    checker.number(where + "depth_mm", initial.depth_mm, kSmall, 1e4 * params.step_mm);
     checker.range(where + "depth_range", initial.depth_range, kSmall, 100.0);
-    checker.number(where + "sinking", initial.sinking, 0.0, 1e4 * params.step);
+    checker.number(where + "sinking_mm", initial.sinking_mm, 0.0, 1e4 * params.step_mm);
     checker.whole(where + "delay_frames", initial.delay_frames[0], 0, kMostFrames);
     checker.whole(where + "delay_frames", initial.delay_frames[1], initial.delay_frames[0], kMostFrames);
     checker.jitter(where + "jitter", initial.jitter);
@@ -78,33 +80,33 @@ std::optional<Error> check(const VeinParams& params) {
   checker.number("vein_weight", params.vein_weight, 0.0, kMost);
   checker.number("age_weight", params.age_weight, 0.0, kMost);
   checker.number("age_offset", params.age_offset, 0.0, 1.0);
-  checker.number("shielding_angle_rad", params.shielding_angle_rad, kSmall, math::kPi);
+  checker.number("shielding_angle_deg", params.shielding_angle_deg, kSmall, 180.0);
   checker.number("sector_weight", params.sector_weight, 0.0, kMost);
   checker.number("inward_limit", params.inward_limit, -1.0, 1.0);
-  checker.number("step", params.step, kSmall, kMost);
-  checker.number("merge_distance", params.merge_distance, 0.5 * params.step, kMost);
+  checker.number("step_mm", params.step_mm, kSmall, kMost);
+  checker.number("merge_distance_mm", params.merge_distance_mm, 0.5 * params.step_mm, kMost);
   checker.number("momentum", params.momentum, 0.0, kMost);
   checker.number("drift", params.drift, 0.0, 1.0);
-  checker.number("split_length", params.split_length, params.step, kMost);
+  checker.number("split_length_mm", params.split_length_mm, params.step_mm, kMost);
   const VeinReticulation& reticulation = params.reticulation;
   checker.whole("reticulation.delay_frames", reticulation.delay_frames, 0, kMostFrames);
   checker.number("reticulation.ratio_limit", reticulation.ratio_limit, 0.0, kMost);
   checker.number("reticulation.difference_limit", reticulation.difference_limit, -kMost, kMost);
-  checker.number("reticulation.reach", reticulation.reach, 0.0, kMost);
-  checker.number("reticulation.neighbourhood", reticulation.neighbourhood, 0.0, kMost);
+  checker.number("reticulation.reach_mm", reticulation.reach_mm, 0.0, kMost);
+  checker.number("reticulation.neighbourhood_mm", reticulation.neighbourhood_mm, 0.0, kMost);
   const VeinColonisation& colonisation = params.colonisation;
   checker.range("colonisation.window", colonisation.window, 0.0, 1.0);
   checker.course("colonisation.s", colonisation.s, 0.0, 1.0);
-  checker.range("colonisation.depth_range", colonisation.depth_range, 0.0, kMost);
+  checker.range("colonisation.depth_mm", colonisation.depth_mm, 0.0, kMost);
   checker.whole("colonisation.sources_per_frame", colonisation.sources_per_frame, 0, 10'000);
-  checker.number("colonisation.spacing", colonisation.spacing, kSmall, kMost);
-  checker.number("colonisation.kill_distance", colonisation.kill_distance, kSmall, kMost);
-  checker.number("colonisation.step", colonisation.step, kSmall, kMost);
+  checker.number("colonisation.spacing_mm", colonisation.spacing_mm, kSmall, kMost);
+  checker.number("colonisation.kill_distance_mm", colonisation.kill_distance_mm, kSmall, kMost);
+  checker.number("colonisation.step_mm", colonisation.step_mm, kSmall, kMost);
   checker.number("colonisation.resistivity_factor", colonisation.resistivity_factor, 0.0, kMost);
   checker.jitter("colonisation.jitter", colonisation.jitter);
   checker.number("murray_exponent", params.murray_exponent, 1.0, 100.0);
-  for (std::size_t i = 0; i < params.tip_diameter.size(); ++i) {
-    checker.number("tip_diameter[" + std::to_string(i) + "]", params.tip_diameter[i], kSmall, kMost);
+  for (std::size_t i = 0; i < params.tip_diameter_mm.size(); ++i) {
+    checker.number("tip_diameter_mm[" + std::to_string(i) + "]", params.tip_diameter_mm[i], kSmall, kMost);
   }
   checker.number("second_share", params.second_share, 0.0, 0.5);
   return checker.error;

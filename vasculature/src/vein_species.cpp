@@ -1,5 +1,6 @@
 // The three species of O24. Courses over time are our own broken lines through the values of the drawn curves; single
 // numbers are those of Table SMD1 or of the released models, see docs/vasculature.md.
+#include "anthesis/base/math.h"
 #include "anthesis/vasculature/vein_params.h"
 
 namespace anthesis {
@@ -24,9 +25,9 @@ VeinParams bellis_veins(VeinSource source) {
   params.ring_vertices = 52;
   params.ring_radius = 0.75;
   params.first_start = 0.1;
-  initial_of(params, PrimordiumKind::kBract) = {.depth = 0.3};
+  initial_of(params, PrimordiumKind::kBract) = {.depth_mm = 0.3};
   initial_of(params, PrimordiumKind::kFloret) = {
-      .depth = 0.22, .depth_follows_course = true, .kind = VeinKind::kFloret, .strand = VeinKind::kAdaxial};
+      .depth_mm = 0.22, .depth_follows_course = true, .kind = VeinKind::kFloret, .strand = VeinKind::kAdaxial};
   initial_of(params, PrimordiumKind::kTransFloret) = initial_of(params, PrimordiumKind::kFloret);
   params.depth_course = {{{0.0, 0.995},
                           {0.1, 0.981},
@@ -39,11 +40,11 @@ VeinParams bellis_veins(VeinSource source) {
                           {0.7, 0.551},
                           {0.8, 0.528},
                           {1.0, 0.512}}};
-  params.shielding_angle_rad = 0.55;
+  params.shielding_angle_deg = math::degrees(0.55);
   params.age_weight = 1.0;
-  params.step = 0.02;
-  params.merge_distance = 0.03;
-  params.split_length = 0.1;
+  params.step_mm = 0.02;
+  params.merge_distance_mm = 0.03;
+  params.split_length_mm = 0.1;
   params.reticulation.delay_frames = 285;
   if (source == VeinSource::kPaper) {
     params.ground_resistivity = {{{0.0, 0.5}, {0.669, 6.5}}};
@@ -51,7 +52,7 @@ VeinParams bellis_veins(VeinSource source) {
     params.reticulation.rule = ReticulationRule::kLeastResistance;
     set_jitter(params, 0.30, 0.3);
     params.murray_exponent = 5.0;
-    params.tip_diameter = {0.04, 0.08, 0.04};  // strands of florets are labelled adaxial
+    params.tip_diameter_mm = {0.04, 0.08, 0.04};  // strands of florets are labelled adaxial
     return params;
   }
   params.ground_resistivity = {{{0.0, 0.0134}, {0.669, 6.512}, {1.0, 6.504}}};
@@ -65,7 +66,7 @@ VeinParams bellis_veins(VeinSource source) {
   set_jitter(params, 0.35, 0.34);
   params.diameter_rule = DiameterRule::kMurrayByKind;
   params.murray_exponent = 1.0 / 0.19;
-  params.tip_diameter = {0.0479, 0.0878, 0.0878};
+  params.tip_diameter_mm = {0.0479, 0.0878, 0.0878};
   return params;
 }
 
@@ -74,8 +75,8 @@ VeinParams sunflower_veins(VeinSource source) {
   params.ring_vertices = 125;
   params.ring_radius = 0.9;
   params.first_start = 0.05;
-  initial_of(params, PrimordiumKind::kBract) = {.depth = 0.11, .delay_frames = {5, 5}};
-  initial_of(params, PrimordiumKind::kFloret) = {.depth = 0.48,
+  initial_of(params, PrimordiumKind::kBract) = {.depth_mm = 0.11, .delay_frames = {5, 5}};
+  initial_of(params, PrimordiumKind::kFloret) = {.depth_mm = 0.48,
                                                  .depth_follows_course = true,
                                                  .depth_range = {0.75, 2.0},
                                                  .delay_frames = {60, 149},
@@ -99,17 +100,17 @@ VeinParams sunflower_veins(VeinSource source) {
                           {0.85, 0.280},
                           {0.9, 0.245},
                           {1.0, 0.221}}};
-  params.shielding_angle_rad = 0.01;
-  params.step = 0.01;
-  params.merge_distance = 0.01;
-  params.split_length = 0.05;
+  params.shielding_angle_deg = math::degrees(0.01);
+  params.step_mm = 0.01;
+  params.merge_distance_mm = 0.01;
+  params.split_length_mm = 0.05;
   if (source == VeinSource::kPaper) {
     params.ground_resistivity = {{{0.0, 0.6}, {0.408, 0.6}, {0.408, 1.9}, {1.0, 2.1}}};
     params.maturation_frames = {{{0.0, 4.0}}};
     params.sector_weight = 0.65;
     set_jitter(params, 0.49, 0.8);
     params.murray_exponent = 5.0;
-    params.tip_diameter = {0.1, 0.14, 0.1};
+    params.tip_diameter_mm = {0.1, 0.14, 0.1};
     return params;
   }
   params.ground_resistivity = {{{0.0, 0.626},
@@ -139,7 +140,7 @@ VeinParams sunflower_veins(VeinSource source) {
   }
   params.diameter_rule = DiameterRule::kMurrayByKind;
   params.murray_exponent = 5.0;
-  params.tip_diameter = {0.1071, 0.1530, 0.0918};
+  params.tip_diameter_mm = {0.1071, 0.1530, 0.0918};
   return params;
 }
 
@@ -148,11 +149,11 @@ VeinParams gerbera_veins(VeinSource source) {
   params.ring_vertices = 52;
   params.ring_radius = 0.8;
   params.first_start = 0.1;
-  initial_of(params, PrimordiumKind::kBract) = {.depth = 0.16, .delay_frames = {10, 10}};
-  initial_of(params, PrimordiumKind::kTransFloret) = {.depth = 0.0016, .delay_frames = {20, 20}};
-  initial_of(params, PrimordiumKind::kFloret) = {.depth = 0.38,
+  initial_of(params, PrimordiumKind::kBract) = {.depth_mm = 0.16, .delay_frames = {10, 10}};
+  initial_of(params, PrimordiumKind::kTransFloret) = {.depth_mm = 0.0016, .delay_frames = {20, 20}};
+  initial_of(params, PrimordiumKind::kFloret) = {.depth_mm = 0.38,
                                                  .depth_follows_course = true,
-                                                 .sinking = 0.25,
+                                                 .sinking_mm = 0.25,
                                                  .delay_frames = {20, 20},
                                                  .kind = VeinKind::kFloret,
                                                  .strand = VeinKind::kFloret};
@@ -167,9 +168,9 @@ VeinParams gerbera_veins(VeinSource source) {
                           {0.8, 0.134},
                           {0.9, 0.106},
                           {1.0, 0.0975}}};
-  params.step = 0.02;
-  params.merge_distance = 0.03;
-  params.split_length = 0.1;
+  params.step_mm = 0.02;
+  params.merge_distance_mm = 0.03;
+  params.split_length_mm = 0.1;
   params.colonisation.enabled = true;
   params.colonisation.s = {{{0.0, 0.484},
                             {0.45, 0.483},
@@ -188,7 +189,7 @@ VeinParams gerbera_veins(VeinSource source) {
     params.colonisation.resistivity_factor = 1.0;
     set_jitter(params, 0.30, 0.27);
     params.murray_exponent = 5.0;
-    params.tip_diameter = {0.09, 0.14, 0.11};
+    params.tip_diameter_mm = {0.09, 0.14, 0.11};
     return params;
   }
   params.ground_resistivity = {{{0.0, 0.3}, {0.39, 1.068}, {0.39, 1.26}, {0.5225, 1.26}, {0.5225, 6.98}}};
@@ -205,7 +206,7 @@ VeinParams gerbera_veins(VeinSource source) {
   set_jitter(params, 0.66, 0.27);
   params.diameter_rule = DiameterRule::kMurrayByKind;
   params.murray_exponent = 5.0;
-  params.tip_diameter = {0.0919, 0.1470, 0.1259};
+  params.tip_diameter_mm = {0.0919, 0.1470, 0.1259};
   return params;
 }
 

@@ -24,15 +24,15 @@ inline VeinParams plain_veins() {
   VeinParams params;
   params.ring_vertices = 1;
   params.ring_radius = 0.5;
-  params.ring_inset = 0.0;
+  params.ring_inset_mm = 0.0;
   params.first_start = 0.0;
   for (VeinInitial& initial : params.initials) {
-    initial.depth = 0.1;
+    initial.depth_mm = 0.1;
   }
   params.maturation_frames = {{{0.0, 0.0}}};
-  params.step = 0.005;
-  params.merge_distance = 0.005;
-  params.split_length = 0.1;
+  params.step_mm = 0.005;
+  params.merge_distance_mm = 0.005;
+  params.split_length_mm = 0.1;
   return params;
 }
 

@@ -182,7 +182,7 @@ TEST(GrowVeins, SecondConnectionsNeedALimitThatAllowsThem) {
     for (std::size_t v = 0; v < veins.ring_vertices; ++v) {
       ring += std::pow(veins.vertices[v].diameter, params.murray_exponent);
     }
-    EXPECT_NEAR(ring, 40.0 * std::pow(params.tip_diameter[1], params.murray_exponent), 1e-12 * ring);
+    EXPECT_NEAR(ring, 40.0 * std::pow(params.tip_diameter_mm[1], params.murray_exponent), 1e-12 * ring);
   }
 }
 
@@ -192,10 +192,10 @@ TEST(GrowVeins, AdaxialStrandsGrowTowardsTheirSourcesAndUseThemUp) {
   params.colonisation.enabled = true;
   params.colonisation.window = {0.2, 0.21};
   params.colonisation.s.points = {{0.0, 0.2}};  // radius 0.4 on the top
-  params.colonisation.depth_range = {0.3, 0.3};
-  params.colonisation.spacing = 0.02;
-  params.colonisation.kill_distance = 0.05;
-  params.colonisation.step = 0.01;
+  params.colonisation.depth_mm = {0.3, 0.3};
+  params.colonisation.spacing_mm = 0.02;
+  params.colonisation.kill_distance_mm = 0.05;
+  params.colonisation.step_mm = 0.01;
   VeinOptions options;
   options.frames = {205};
   std::size_t first = 0;

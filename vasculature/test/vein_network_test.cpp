@@ -88,7 +88,7 @@ TEST(VeinNetwork, LeadsTowardsTheRingAlongSecondWaysToo) {
 TEST(Diameters, ObeyMurraysLawAtEveryJoint) {
   VeinParams params;
   params.murray_exponent = 3.0;
-  params.tip_diameter = {0.1, 0.2, 0.3};
+  params.tip_diameter_mm = {0.1, 0.2, 0.3};
   const VeinNetwork network = fork();
   const Diameters d = diameters(network, params, 2);
   EXPECT_NEAR(d.vertices[3], 0.1, 1e-15);
@@ -100,7 +100,7 @@ TEST(Diameters, ObeyMurraysLawAtEveryJoint) {
 TEST(Diameters, SplitUnevenlyAndLoseNothing) {
   VeinParams params;
   params.murray_exponent = 3.0;
-  params.tip_diameter = {0.1, 0.2, 0.3};
+  params.tip_diameter_mm = {0.1, 0.2, 0.3};
   params.second_share = 0.25;
   VeinNetwork network = fork();
   network.add_second_way({2, 6, 2, 0, kNoVertex});
@@ -117,7 +117,7 @@ TEST(Diameters, ByKindCountTipsAndGiveSecondStrandsHalfMore) {
   VeinParams params;
   params.diameter_rule = DiameterRule::kMurrayByKind;
   params.murray_exponent = 2.0;
-  params.tip_diameter = {0.1, 0.2, 0.3};
+  params.tip_diameter_mm = {0.1, 0.2, 0.3};
   VeinNetwork network = fork();
   network.add_second_way({2, 6, 2, 0, kNoVertex});
   const Diameters d = diameters(network, params, 2);

@@ -44,10 +44,10 @@ TEST(VeinParams, ErrorsNameTheField) {
   EXPECT_EQ(error->where, "depth_course");
 
   params = {};
-  params.merge_distance = 0.4 * params.step;  // a strand could jump over what it is to join
+  params.merge_distance_mm = 0.4 * params.step_mm;  // a strand could jump over what it is to join
   error = check(params);
   ASSERT_TRUE(error.has_value());
-  EXPECT_EQ(error->where, "merge_distance");
+  EXPECT_EQ(error->where, "merge_distance_mm");
 }
 
 }  // namespace

@@ -108,7 +108,11 @@ void Report::add_time(const char* stage, Clock::time_point began) {
 }
 
 void Report::add_output(const std::string& path, std::string_view bytes) {
-  outputs_.push_back({{"path", path}, {"sha256", sha256(bytes)}});
+  add_hashed_output(path, sha256(bytes));
+}
+
+void Report::add_hashed_output(const std::string& path, const std::string& sha256_digits) {
+  outputs_.push_back({{"path", path}, {"sha256", sha256_digits}});
 }
 
 std::string Report::text() const {

@@ -77,6 +77,7 @@ class Report {
   }
 
   void add_output(const std::string& path, std::string_view bytes);
+  void add_hashed_output(const std::string& path, const std::string& sha256_digits);
 
   /// The object with `seconds` and `outputs`, as one line.
   std::string text() const;

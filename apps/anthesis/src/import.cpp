@@ -1,6 +1,4 @@
 #include <array>
-#include <cctype>
-#include <filesystem>
 
 #include "anthesis/base/version.h"
 #include "anthesis/exchange/species_file.h"
@@ -18,19 +16,9 @@ struct Arguments {
   std::string folder;
   std::vector<std::string> outputs;
   VlabScale scale;
+  std::string like;
   bool json = false;
 };
-
-/// A species' name out of a folder's: letters, digits, - and _.
-std::string name_of(const std::string& folder) {
-  std::filesystem::path path = std::filesystem::path(folder).lexically_normal();
-  std::string name = (path.has_filename() ? path : path.parent_path()).filename().string().substr(0, 64);
-  for (char& c : name) {
-    const bool plain = std::isalnum(static_cast<unsigned char>(c)) != 0 || c == '-' || c == '_';
-    c = plain ? c : '-';
-  }
-  return name.empty() || name == "." || name == "-" ? "head" : name;
-}
 
 void run(const Arguments& arguments) {
   if (arguments.program != "vlab") {
@@ -40,10 +28,12 @@ void run(const Arguments& arguments) {
   if (outputs.size() != 1) {
     throw usage("say where to write: -o head.toml");
   }
+  VlabScale scale = arguments.scale;
+  scale.like = arguments.like.empty() ? head_model_in(arguments.folder) : head_model(arguments.like);
   Report report;
   const VlabObject object =
       report.time("read", [&] { return value_of(read_vlab_object(vlab_files_of(arguments.folder))); });
-  const Species species = value_of(species_from_vlab(name_of(arguments.folder), object, arguments.scale));
+  const Species species = value_of(species_from_vlab(name_of_folder(arguments.folder), object, scale));
   write_output(report, outputs[0].path, write_species(species));
   report.values["species"] = species.name;
   report.values["version"] = kVersion;
@@ -64,14 +54,19 @@ Command add_import(CLI::App& app) {
   command->add_option("PROGRAM", arguments->program, "What the model is from: vlab")->required()->type_name("");
   command
       ->add_option("FOLDER", arguments->folder,
-                   "The model's folder: contours (.con, .cset), functions (.func, .fset), primordia (.prims), knots")
+                   "The model's folder: contours (.con, .cset), functions (.func, .fset), knotPositions.dat")
       ->required()
       ->type_name("");
   add_outputs(*command, arguments->outputs, kFormats);
   add_number(*command, "--width-mm", arguments->scale.width_mm, {0.01, 10000.0},
-             "Greatest width of the mature receptacle in mm");
+             "Greatest width of the mature receptacle in mm; not with --like");
   add_number(*command, "--radius-factor", arguments->scale.radius_factor, {0.0, 1000.0, true, false},
              "Factor of the function rho");
+  command
+      ->add_option(
+          "--like", arguments->like,
+          "Whose size, thresholds, landmarks, veins: bellis, sunflower, gerbera; else by the folder's name")
+      ->type_name("NAME");
   command->add_flag("--json", arguments->json, "Print JSON");
   return {command, [arguments](Console&) { run(*arguments); }};
 }

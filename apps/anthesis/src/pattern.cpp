@@ -97,7 +97,11 @@ void run_species(const Arguments& arguments, Console& console) {
   const Species species = report.time("species", [&] { return find_plant(arguments.growth.species); });
   const Development development = grow(arguments.growth, species, report, progress);
   describe_plant(development, arguments.at, report);
-  report.values["divergence_deg"] = species.head.divergence_deg;
+  if (species.head.rule == PlacementRule::kActiveRing) {
+    report.values["divergence_deg"] = nullptr;  // nobody states it: it comes about
+  } else {
+    report.values["divergence_deg"] = species.head.divergence_deg;
+  }
   report_warnings(development, console, report);
   const std::vector<PatternOrgan> pattern = pattern_of(development, arguments.at);
   ParastichyFile file;
@@ -106,7 +110,9 @@ void run_species(const Arguments& arguments, Console& console) {
   file.length_mm = development.receptacle(arguments.at).length_mm();
   file.first_is_1 = true;
   ParastichyOptions options;
-  options.in_order_of_birth = species.head.rule != PlacementRule::kDivergent;  // two fronts take turns
+  const bool several =
+      species.head.rule == PlacementRule::kDivergent || species.head.rule == PlacementRule::kActiveRing;
+  options.in_order_of_birth = !several;  // several places bear organs by turns
   arguments.parastichies.analyse(pattern, options, file, arguments.outputs.empty() && !arguments.growth.json, report);
   for (const Output& output : outputs) {
     const std::string bytes = report.time(output.format.c_str(), [&] {

@@ -27,8 +27,9 @@ std::string one_of(std::string_view flag, const std::string& word, std::span<con
 
 }  // namespace
 
-void PictureOptions::add_to(CLI::App& app) {
-  app.add_option("--view", view, "top, side, front or three-quarter, which is taken if left out")->type_name("NAME");
+void PictureOptions::add_to(CLI::App& app, bool with_ground) {
+  app.add_option("--view", view, "Pictures: top, bottom, side, front or three-quarter; " + view + " if left out")
+      ->type_name("NAME");
   add_number(app, "--azimuth-deg", azimuth_deg, {-360.0, 360.0}, "Direction of the camera about the stem, in degrees");
   add_number(app, "--elevation-deg", elevation_deg, {-90.0, 90.0}, "Height of the camera above the level, in degrees");
   app.add_option("--size", size, "Pixels: 800, or 1200x800 (width x height) [16 to 8192], 1200 if left out")
@@ -37,12 +38,15 @@ void PictureOptions::add_to(CLI::App& app) {
       ->type_name("NAME");
   add_whole(app, "--samples", samples, 1, 4096, "Light paths per pixel, in place of the quality's own number");
   add_number(app, "--exposure", exposure, {-10.0, 10.0}, "Brighter or darker, in stops");
-  app.add_option("--backdrop", backdrop, "light, dark or none (transparent); light if left out")->type_name("NAME");
-  app.add_flag("--ground", ground, "Let the plant stand on a ground that takes its shadow");
+  app.add_option("--backdrop", backdrop, "light, dark or none (transparent); " + backdrop + " if left out")
+      ->type_name("NAME");
+  if (with_ground) {
+    app.add_flag("--ground", ground, "Let the plant stand on a ground that takes its shadow");
+  }
 }
 
 Photographer::Photographer(const PictureOptions& options) : exposure_ev_(options.exposure) {
-  constexpr std::array<std::string_view, 4> kViews = {"top", "side", "front", "three-quarter"};
+  constexpr std::array<std::string_view, 5> kViews = {"top", "bottom", "side", "front", "three-quarter"};
   view_ = value_of(parse_view(one_of("--view", options.view, kViews)));
   if (options.azimuth_deg) {
     view_.azimuth_rad = math::radians(*options.azimuth_deg);
@@ -78,9 +82,10 @@ Scene Photographer::pose(const Development& development, const Canopy& canopy, c
   return make_scene(development, canopy, options);
 }
 
-Image Photographer::photograph(Scene scene, const Scene& framed, const Progress& progress) const {
+Image Photographer::photograph(Scene scene, const Scene& framed, const Progress& progress,
+                               Lighting (*light)(const Camera&)) const {
   const Camera camera = frame(framed, view_, render_.width, render_.height);
-  scene.lighting = studio_lighting(camera);
+  scene.lighting = light(camera);
   RenderOptions options = render_;
   options.exposure = metered_exposure(scene.lighting, camera) * math::pow(2.0, exposure_ev_);
   return develop(value_of(trace(scene, camera, options, progress)));

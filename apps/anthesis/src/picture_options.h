@@ -25,7 +25,7 @@ struct PictureOptions {
   std::string backdrop = "light";
   bool ground = false;
 
-  void add_to(CLI::App& app);
+  void add_to(CLI::App& app, bool with_ground = true);
 };
 
 /// Takes pictures of one plant from one place, so that the pictures of its development match.
@@ -34,11 +34,15 @@ class Photographer {
   /// Throws a Failure of usage where a flag's word or size is not known. The plant may still have to be grown.
   explicit Photographer(const PictureOptions& options);
 
+  const View& view() const { return view_; }
+  const Backdrop& backdrop() const { return scene_.backdrop; }
+
   /// The plant as it stands for a picture. `finer`: see SceneOptions.
   Scene pose(const Development& development, const Canopy& canopy, const Development* finer) const;
 
   /// A picture of `scene`. The camera stands where it frames `framed`.
-  Image photograph(Scene scene, const Scene& framed, const Progress& progress) const;
+  Image photograph(Scene scene, const Scene& framed, const Progress& progress,
+                   Lighting (*light)(const Camera&) = studio_lighting) const;
 
   /// One kind of organ alone at `stage`, the camera where it frames it at that stage, or at all stages.
   Image photograph(const Species& species, std::size_t kind, double detail, double stage, bool frame_all_stages,

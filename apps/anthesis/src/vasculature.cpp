@@ -2,343 +2,284 @@
 
 #include <algorithm>
 #include <array>
-#include <cmath>
 #include <filesystem>
-#include <limits>
 #include <nlohmann/json.hpp>
 #include <utility>
 
 #include "anthesis/base/file.h"
 #include "anthesis/base/parallel.h"
+#include "anthesis/base/sha256.h"
 #include "anthesis/base/version.h"
+#include "anthesis/exchange/harmonic_fields.h"
+#include "anthesis/exchange/section_figures.h"
 #include "anthesis/exchange/vein_files.h"
-#include "anthesis/exchange/vlab_digitised_head.h"
-#include "anthesis/phyllotaxis/active_ring.h"
-#include "anthesis/receptacle/interior_growth.h"
-#include "anthesis/vasculature/mean_value_growth.h"
+#include "anthesis/exchange/vein_glb.h"
+#include "anthesis/vasculature/vein_measures.h"
+#include "collision_options.h"
+#include "head.h"
 #include "outputs.h"
-#include "vlab_folder.h"
+#include "vein_pictures.h"
+#include "vein_study.h"
 
 namespace anthesis::cli {
 namespace {
 
-constexpr std::array<std::string_view, 3> kFormats = {"csv", "swc", "ply"};
-constexpr double kStepTime = 0.0005;   // of the models of O24
-constexpr std::size_t kFrames = 2214;  // of the published sequences
-constexpr double kRingScale = 100.0;   // of thresholds in the model of primordia
-constexpr std::uint32_t kStride = 8;   // of mean value growth
-
-/// What the programs of O24 state of each of its heads, and not the files.
-struct HeadConstants {
-  std::string_view name;
-  VeinParams (*veins)(VeinSource);
-  double scale = 1.0;           ///< from the files' unit to that of the lengths in VeinParams
-  double threshold = 1.0;       ///< factor of the function thresholdDistanceFunc
-  double threshold_pace = 1.0;  ///< factor of its time
-  std::size_t bract_landmark = 0;
-  std::size_t trans_landmark = 0;
-  double last_ring = 0.0025;
-  bool births_ascend = false;  ///< births out of order are mended
-  bool three_types = false;    ///< types of primordia in files: 0 bract, 1 trans floret, 2 floret
-};
-
-constexpr double kFirstThreshold = 3.5 * math::kPi;
-
-constexpr std::array<HeadConstants, 3> kHeads = {{
-    {.name = "bellis",
-     .veins = bellis_veins,
-     .scale = 15.0,
-     .threshold = kFirstThreshold,
-     .bract_landmark = 3,
-     .last_ring = 0.01,
-     .births_ascend = true},
-    {.name = "sunflower",
-     .veins = sunflower_veins,
-     .scale = 10.0,
-     .threshold = 0.45 * kFirstThreshold,
-     .threshold_pace = 2.0,
-     .bract_landmark = 8},
-    {.name = "gerbera",
-     .veins = gerbera_veins,
-     .scale = 15.0,
-     .threshold = kFirstThreshold,
-     .bract_landmark = 6,
-     .trans_landmark = 11,
-     .three_types = true},
-}};
-
-/// What a file holds.
-enum class Content { kVertices, kPrimordia, kMeasures };
+constexpr std::array<std::string_view, 8> kFormats = {"csv", "swc", "ply", "glb", "png", "svg", "prims", "cntrs"};
+constexpr std::array<std::string_view, 2> kStudyFormats = {"csv", "png"};
+constexpr std::array<std::string_view, 1> kWeightFormats = {"raw"};
+constexpr std::size_t kShownFields = 5;  // unless --control names some
+constexpr std::size_t kGridFrames = 4;   // of a figure of growth, unless --frames says so
 
 struct Arguments {
-  std::string folder;
+  HeadArguments head;
+  VeinPictureOptions picture;
   std::vector<std::string> outputs;
-  std::string primordia;
-  std::string parameters = "sunflower";
-  std::string set = "as-published";
-  std::string clock = "published";
-  bool as_published = false;
-  bool mean_value = false;
-  std::optional<double> scale;
-  std::optional<int> bract_landmark;
-  std::optional<int> trans_landmark;
-  std::uint64_t seed = 1;
+  std::vector<std::string> vary;
+  std::vector<std::string> weights;
+  std::vector<int> controls;
+  std::optional<double> at;
+  std::optional<int> frames;
+  std::optional<int> columns;
   int sides = 7;
   int threads = 0;
   bool json = false;
 };
 
-const HeadConstants& constants_of(const Arguments& arguments) {
-  const auto found =
-      std::find_if(kHeads.begin(), kHeads.end(), [&](const auto& head) { return head.name == arguments.parameters; });
-  if (found == kHeads.end()) {
-    throw usage("--parameters must be bellis, sunflower or gerbera, got " + arguments.parameters);
+/// Whether a file's name without its extension ends so: veins-primordia.csv, head_initial.prims, growth.svg.
+bool is_about(const Output& output, std::string_view what) {
+  return without_extension(output.path).ends_with(what);
+}
+
+/// All of what one run has made.
+struct Made {
+  const Arguments& arguments;
+  const Species& species;
+  const GrownHead& head;
+  const VasculatureMeasures& measures;
+  MadeFrom lines;
+
+  const HeadMoment& last() const { return head.moments.back(); }
+};
+
+std::string csv(const Made& made, const Output& output) {
+  if (is_about(output, "primordia")) {
+    return vein_primordia_csv(made.last().veins, made.head.primordia, made.lines);
   }
-  return *found;
-}
-
-/// Which of two words was given.
-bool is_second(const std::string& flag, const std::string& word, std::string_view first, std::string_view second) {
-  if (word != first && word != second) {
-    throw usage(fmt::format("{} must be {} or {}, got {}", flag, first, second, word));
+  if (is_about(output, "measures")) {
+    return vein_measures_csv(made.measures, made.head.primordia, made.lines);
   }
-  return word == second;
+  return veins_csv(made.last().veins, made.lines);
 }
 
-/// A CSV says by its name what it shall hold: primordia.csv, bellis-measures.csv, veins.csv.
-Content content_of(const std::string& path) {
-  const std::string name = without_extension(path);
-  return name.ends_with("primordia")  ? Content::kPrimordia
-         : name.ends_with("measures") ? Content::kMeasures
-                                      : Content::kVertices;
-}
-
-const VlabFunction* find_smooth(const VlabObject& object, std::string_view name) {
-  const VlabFunction* function = object.find_function(name);
-  if (function != nullptr) {
-    if (auto error = check(*function)) {
+std::string glb(const Made& made) {
+  VeinGlbParams params;
+  params.tubes.sides = made.arguments.sides;
+  params.receptacle_alpha = made.arguments.picture.no_receptacle ? 0.0 : params.receptacle_alpha;
+  VeinGlb glb(params, made.lines);
+  for (const HeadMoment& moment : made.head.moments) {
+    const std::vector<Vec2> outline = outline_of(made.head.contours, moment.frame);
+    if (auto error = glb.add({moment.time, &moment.veins, outline})) {
       throw failure(*error);
     }
   }
-  return function;
+  return value_of(glb.finish());
 }
 
-/// Primordia of a file, which may lie in the folder.
-std::vector<VeinPrimordium> read_primordia(const Arguments& arguments, const HeadConstants& constants) {
-  std::string path = arguments.primordia;
-  std::error_code ignored;
-  if (!std::filesystem::exists(path, ignored)) {
-    const std::string within = (std::filesystem::path(arguments.folder) / path).string();
-    if (std::filesystem::exists(within, ignored)) {
-      path = within;
+/// Control points whose fields are shown: some along the outline, apex and rim among them.
+std::vector<std::uint32_t> shown_controls(const Made& made) {
+  std::vector<std::uint32_t> shown(made.arguments.controls.begin(), made.arguments.controls.end());
+  const std::size_t outline = made.head.contours.points_per_frame();
+  for (std::size_t i = 0; made.arguments.controls.empty() && i < kShownFields; ++i) {
+    shown.push_back(static_cast<std::uint32_t>(i * (outline - 1) / (kShownFields - 1)));
+  }
+  return shown;
+}
+
+std::string svg(const Made& made, const Output& output) {
+  SectionFigureParams params;
+  params.title = made.species.latin.empty() ? made.species.name : made.species.latin;
+  params.caption = fmt::format("Anthesis {}, {}, time {}", kVersion, made.species.name, to_text(made.last().time));
+  params.unit_mm = 1.0;
+  params.interior.mesh.max_edge = made.species.vasculature->max_edge;
+  const SectionSequence sections = head_sections(made.head.contours);
+  if (is_about(output, "growth")) {
+    std::vector<std::size_t> frames;
+    const std::size_t count = made.arguments.frames ? made.head.moments.size() : kGridFrames;
+    for (std::size_t i = 0; i < count; ++i) {
+      frames.push_back(made.arguments.frames ? made.head.moments[i].frame
+                                             : (i + 1) * (made.head.contours.frames() - 1) / count);
+    }
+    return value_of(section_growth_svg(sections, frames, 16, params));
+  }
+  if (is_about(output, "displacement")) {
+    const std::size_t to = std::max<std::size_t>(made.last().frame, 1);
+    return value_of(section_displacement_svg(sections, to / 2, to, params));
+  }
+  return value_of(section_weights_svg(sections.frame(made.last().frame), shown_controls(made), params));
+}
+
+std::string prims(const Made& made, const Output& output) {
+  if (made.head.ring.empty()) {
+    throw usage("a .prims file is of primordia that grow on the head: leave --primordia out");
+  }
+  const VlabPrimordiaMoment moment = is_about(output, "initial") ? VlabPrimordiaMoment::kInitial
+                                     : is_about(output, "final") ? VlabPrimordiaMoment::kFinal
+                                                                 : VlabPrimordiaMoment::kStable;
+  const VlabOrganCodes codes =
+      made.species.head.active_ring->trans_landmark > 0 ? VlabOrganCodes::kGerbera : VlabOrganCodes::kBractOrFloret;
+  return write_vlab_primordia(vlab_primordia(made.head.ring, moment, codes));
+}
+
+/// flower_0012.png
+std::string numbered(const std::string& path, std::size_t frame) {
+  return fmt::format("{}_{:04d}.png", without_extension(path), frame);
+}
+
+void write_pictures(const Made& made, const Output& output, const VeinPhotographer& photographer, Report& report,
+                    const Progress& progress) {
+  const Arguments& arguments = made.arguments;
+  const HeadExtent extent = extent_of(made.head);
+  if (arguments.picture.scale_bar) {
+    report.values["scale_bar_mm"] = scale_bar_mm(extent.radius_mm);
+  }
+  std::vector<Image> images;
+  for (std::size_t i = 0; i < made.head.moments.size(); ++i) {
+    const HeadMoment& moment = made.head.moments[i];
+    const std::string stage =
+        arguments.frames ? fmt::format("picture {} of {}: ", i + 1, made.head.moments.size()) : "";
+    const Progress watch = [&](std::string_view part, double fraction) {
+      return progress(stage + std::string(part), fraction);
+    };
+    images.push_back(report.time("render", [&] { return photographer.photograph(made.head, moment, extent, watch); }));
+    if (!arguments.columns) {
+      const MadeFrom lines = made_from(arguments.head, made.species, moment);
+      write_output(report, arguments.frames ? numbered(output.path, i) : output.path,
+                   value_of(encode_png(images.back(), png_texts(lines))));
+      images.clear();
     }
   }
-  const VlabPrimordia file = value_of(read_vlab_primordia(value_of(read_file(path, kVlabTextLimit)), path));
-  std::vector<VeinPrimordium> primordia;
-  for (const VlabPrimordium& one : file.primordia) {
-    PrimordiumKind kind = one.type == 1 ? PrimordiumKind::kBract : PrimordiumKind::kFloret;
-    if (constants.three_types) {
-      kind = one.type == 0   ? PrimordiumKind::kBract
-             : one.type == 1 ? PrimordiumKind::kTransFloret
-                             : PrimordiumKind::kFloret;
+  if (arguments.columns) {
+    const Image sheet = contact_sheet(images, std::min<int>(*arguments.columns, static_cast<int>(images.size())));
+    write_output(report, output.path, value_of(encode_png(sheet, png_texts(made.lines))));
+  }
+}
+
+/// All harmonic coordinates of all frames: too many for memory.
+void write_weights(const Output& output, const GrownHead& head, Report& report, const Progress& progress) {
+  Sha256 hash;
+  std::optional<Error> error;
+  report.time("weights", [&] {
+    Expected<FileWriter> file = FileWriter::create(output.path);
+    if (!file) {
+      throw failure(file.error());
     }
-    primordia.push_back({one.id, one.step, one.s, one.azimuth_rad, kind});
-  }
-  return primordia;
-}
-
-/// Primordia of the active ring, as they are when they have become stable.
-std::vector<VeinPrimordium> grow_primordia(const Arguments& arguments, bool consistent, const HeadConstants& constants,
-                                           const VlabObject& object) {
-  const VlabFunction* function = find_smooth(object, "thresholdDistanceFunc");
-  if (function == nullptr) {
-    throw failure({ErrorCode::kInvalidParameter, arguments.folder,
-                   "must have a function thresholdDistanceFunc, or say where primordia are: --primordia FILE"});
-  }
-  const GrowingReceptacle head(value_of(vlab_digitised_head(object.contours, object.knots, kRingScale)),
-                               arguments.as_published ? SectionLookup::kAsPublished : SectionLookup::kExact);
-  ActiveRingParams params;
-  const VlabFunctionTable drawn(*function);
-  params.threshold = [&](double time) { return constants.threshold * drawn(constants.threshold_pace * time); };
-  const auto landmark = [](std::optional<int> given, std::size_t known) {
-    return given ? static_cast<std::size_t>(*given) : known;
-  };
-  params.bract_landmark = landmark(arguments.bract_landmark, constants.bract_landmark);
-  params.trans_landmark = landmark(arguments.trans_landmark, constants.trans_landmark);
-  params.last_ring = constants.last_ring;
-  const std::vector<RingPrimordium> grown =
-      value_of(arguments.as_published ? grow_active_ring_as_published(head, params) : grow_active_ring(head, params));
-  const std::vector<double> clock = published_clock(head, kStepTime);
-  std::vector<VeinPrimordium> primordia;
-  for (std::uint32_t id = 0; id < grown.size(); ++id) {
-    const RingMoment& stable = grown[id].stable;
-    const std::uint32_t step =
-        consistent ? static_cast<std::uint32_t>(std::lround(stable.time / kStepTime))
-        : arguments.as_published
-            ? stable.step
-            : static_cast<std::uint32_t>(std::lower_bound(clock.begin(), clock.end(), stable.time) - clock.begin());
-    primordia.push_back({id, step, stable.s, stable.azimuth_rad,
-                         stable.kind == HeadOrganKind::kBract   ? PrimordiumKind::kBract
-                         : stable.kind == HeadOrganKind::kTrans ? PrimordiumKind::kTransFloret
-                                                                : PrimordiumKind::kFloret});
-  }
-  std::stable_sort(primordia.begin(), primordia.end(),
-                   [](const auto& a, const auto& b) { return a.birth_frame < b.birth_frame; });
-  return primordia;
-}
-
-/// The half section frame by frame. By the published clock, as O24's programs made it: the stages lie equally in time,
-/// and the files' pace is that of its frames. Else frame and step of the model of primordia are one.
-ContourSequence sample_head(const Arguments& arguments, bool consistent, double scale, const VlabObject& object) {
-  const std::vector<double> knots = consistent ? object.knots : std::vector<double>{};
-  const GrowingReceptacle head(value_of(vlab_digitised_head(object.contours, knots, scale)),
-                               arguments.as_published ? SectionLookup::kAsPublished : SectionLookup::kExact);
-  std::vector<double> times(kFrames);
-  const VlabFunction* pace = find_smooth(object, "output_dalpha");
-  if (consistent) {
-    for (std::size_t f = 0; f < times.size(); ++f) {
-      times[f] = std::min(1.0, kStepTime * static_cast<double>(f));
+    const InteriorGrowthParams params{.mesh = kVlabSectionMesh};
+    const InteriorGrowth growth = value_of(InteriorGrowth::make(head_sections(head.contours), params));
+    const ByteSink sink = [&](std::string_view bytes) {
+      hash.add(bytes);
+      return file->write(bytes);
+    };
+    error = write_harmonic_fields(growth, sink, progress);
+    if (!error) {
+      error = file->finish();
     }
-  } else if (pace == nullptr) {
-    for (std::size_t f = 0; f < times.size(); ++f) {
-      times[f] = static_cast<double>(f) / static_cast<double>(times.size() - 1);
-    }
-  } else {
-    times = value_of(contour_times([table = VlabFunctionTable(*pace)](double time) { return table(time); }));
+    return 0;
+  });
+  if (error) {
+    throw failure(*error);
   }
-  return sample_contours(head, times);
+  report.add_hashed_output(output.path, hash.digits());
 }
 
-/// Veins within harmonic growth.
-Expected<Vasculature> grow_harmonic(const ContourSequence& contours, const VeinParams& params,
-                                    const std::vector<VeinPrimordium>& primordia, VeinOptions options) {
-  Expected<InteriorGrowth> interior = InteriorGrowth::make(with_base(contours));
-  if (!interior) {
-    return unexpected(interior.error());
+void describe(const Made& made, Report& report) {
+  std::size_t unconnected = 0;
+  auto kinds = nlohmann::ordered_json::object();
+  for (std::size_t i = 0; i < made.head.primordia.size(); ++i) {
+    auto& count = kinds[std::string(primordium_kind_name(made.head.primordia[i].kind))];
+    count = count.is_null() ? 1 : count.get<int>() + 1;
+    unconnected += made.measures.strands[i].vertex != kNoVertex && !made.measures.strands[i].connected ? 1 : 0;
   }
-  std::optional<Error> failed;
-  const std::size_t outline = contours.points_per_frame();
-  const HeadGrowth growth{interior->frames(),
-                          [&](std::size_t frame) { return interior->section(frame).first(outline); },
-                          [&](std::size_t frame, std::size_t, std::span<Vec2> points) {
-                            if (!failed) {
-                              failed = interior->advance(frame);
-                            }
-                            if (!failed) {
-                              interior->carry(points);
-                            }
-                          }};
-  options.stride = 1;
-  Expected<Vasculature> veins = grow_veins(params, growth, primordia, options);
-  if (failed) {
-    return unexpected(*failed);
-  }
-  return veins;
+  report.values["species"] = made.species.name;
+  report.values["seed"] = made.arguments.head.seed;
+  report.values["version"] = kVersion;
+  report.values["primordia"] = kinds;
+  report.values["vertices"] = made.last().veins.vertices.size();
+  report.values["ring_vertices_used"] = made.measures.bundles;
+  report.values["second_connections"] = made.last().veins.second_connections.size();
+  report.values["unconnected"] = unconnected;
+  report.values["total_length_mm"] = made.measures.total_length;
+  report.values["loops"] = made.measures.loops;
+  report.values["highest_order"] = made.measures.highest_order;
 }
 
-Expected<Vasculature> grow_mean_value(const ContourSequence& contours, const VeinParams& params,
-                                      const std::vector<VeinPrimordium>& primordia, VeinOptions options) {
-  OutlineSequence outlines;
-  outlines.points_per_frame = contours.points_per_frame();
-  for (const ContourPoint& point : contours.points) {
-    outlines.points.push_back(point.position);
+std::vector<double> times_of(const Arguments& arguments) {
+  if (arguments.at && arguments.frames) {
+    throw usage("--at is for one time and --frames for several: give one of them");
   }
-  options.stride = kStride;
-  return grow_veins(params, mean_value_growth(std::move(outlines)), primordia, options);
-}
-
-MadeFrom made_from(const Arguments& arguments, double scale) {
-  MadeFrom lines = {
-      {"head", std::filesystem::path(arguments.folder).lexically_normal().filename().string()},
-      {"parameters", arguments.parameters},
-      {"set", arguments.set},
-      {"primordia", arguments.primordia.empty() ? (arguments.as_published ? "active ring, as published" : "active ring")
-                                                : std::filesystem::path(arguments.primordia).filename().string()},
-      {"inside", arguments.mean_value ? "mean value" : "harmonic"},
-      {"clock", arguments.clock},
-      {"scale", to_text(scale)},
-      {"seed", std::to_string(arguments.seed)}};
-  if (lines[0].second.empty()) {  // FOLDER ended in a slash
-    lines[0].second = std::filesystem::path(arguments.folder).lexically_normal().parent_path().filename().string();
+  if (arguments.columns && !arguments.frames && arguments.vary.empty()) {
+    throw usage("--columns is for the pictures of --frames or --vary: give one of them");
   }
-  return lines;
+  return arguments.frames ? even_times(*arguments.frames) : std::vector<double>{arguments.at.value_or(1.0)};
 }
 
 void run(const Arguments& arguments, Console& console) {
-  const std::vector<Output> outputs = check_outputs(arguments.outputs, kFormats);
-  const HeadConstants& constants = constants_of(arguments);
-  const bool paper = is_second("--set", arguments.set, "as-published", "paper");
-  const bool consistent = is_second("--clock", arguments.clock, "published", "consistent");
-  const double scale = arguments.scale.value_or(constants.scale);
   const ThreadLimit threads(arguments.threads);
-  Report report;
-
-  const VlabObject object =
-      report.time("read", [&] { return value_of(read_vlab_object(vlab_files_of(arguments.folder))); });
-  std::vector<VeinPrimordium> primordia = report.time("primordia", [&] {
-    return arguments.primordia.empty() ? grow_primordia(arguments, consistent, constants, object)
-                                       : read_primordia(arguments, constants);
-  });
-  if (constants.births_ascend && !paper) {
-    make_births_ascend(primordia);
+  const std::vector<double> times = times_of(arguments);
+  if (!arguments.vary.empty()) {
+    if (arguments.frames || !arguments.weights.empty()) {
+      throw usage("--vary goes with neither --frames nor --weights");
+    }
+    const std::vector<Output> outputs = check_outputs(arguments.outputs, kStudyFormats);
+    return run_study(arguments.head, arguments.vary, times.back(), arguments.picture, arguments.columns, outputs,
+                     arguments.json, console);
   }
-  const ContourSequence contours =
-      report.time("contours", [&] { return sample_head(arguments, consistent, scale, object); });
-  const VeinParams params = constants.veins(paper ? VeinSource::kPaper : VeinSource::kAsPublished);
-  VeinOptions options;
-  options.seed = arguments.seed;
-  options.progress = console.progress();
-  const Vasculature veins = report.time("veins", [&] {
-    return value_of(arguments.mean_value ? grow_mean_value(contours, params, primordia, options)
-                                         : grow_harmonic(contours, params, primordia, options));
-  });
-  const VasculatureMeasures measures = report.time("measures", [&] { return measure(veins); });
-
-  const MadeFrom lines = made_from(arguments, scale);
+  const std::vector<Output> outputs = check_outputs(arguments.outputs, kFormats);
+  const std::vector<Output> weights = check_outputs(arguments.weights, kWeightFormats, "--weights");
+  const VeinPhotographer photographer(arguments.picture);
+  const Progress progress = console.progress();
+  Report report;
+  const Species species = report.time("species", [&] { return find_head(arguments.head); });
+  const GrownHead head = grow_head(arguments.head, species, times, report, progress);
+  const VasculatureMeasures measures = report.time("measures", [&] { return measure(head.moments.back().veins); });
+  const Made made{arguments, species, head, measures, made_from(arguments.head, species, head.moments.back())};
   for (const Output& output : outputs) {
+    if (output.format == "png") {
+      write_pictures(made, output, photographer, report, progress);
+      continue;
+    }
     const std::string bytes = report.time(output.format.c_str(), [&] {
       if (output.format == "swc") {
-        return veins_swc(veins, lines);
+        return veins_swc(made.last().veins, made.lines);
       }
       if (output.format == "ply") {
-        return value_of(veins_ply(veins, {.sides = arguments.sides}, lines));
+        return value_of(veins_ply(made.last().veins, {.sides = arguments.sides}, made.lines));
       }
-      switch (content_of(output.path)) {
-        case Content::kPrimordia:
-          return vein_primordia_csv(veins, primordia, lines);
-        case Content::kMeasures:
-          return vein_measures_csv(measures, primordia, lines);
-        case Content::kVertices:
-          break;
+      if (output.format == "glb") {
+        return glb(made);
       }
-      return veins_csv(veins, lines);
+      if (output.format == "svg") {
+        return svg(made, output);
+      }
+      if (output.format == "prims") {
+        return prims(made, output);
+      }
+      if (output.format == "cntrs") {
+        return write_vlab_contour_sequence(vlab_contour_sequence(head.contours));
+      }
+      return csv(made, output);
     });
     write_output(report, output.path, bytes);
   }
-
-  std::size_t unconnected = 0;
-  auto kinds = nlohmann::ordered_json::object();
-  for (std::size_t i = 0; i < primordia.size(); ++i) {
-    auto& count = kinds[std::string(primordium_kind_name(primordia[i].kind))];
-    count = count.is_null() ? 1 : count.get<int>() + 1;
-    unconnected += measures.strands[i].vertex != kNoVertex && !measures.strands[i].connected ? 1 : 0;
+  for (const Output& output : weights) {
+    write_weights(output, head, report, progress);
   }
-  report.values["version"] = kVersion;
-  report.values["seed"] = arguments.seed;
-  report.values["primordia"] = kinds;
-  report.values["vertices"] = veins.vertices.size();
-  report.values["ring_vertices_used"] = measures.bundles;
-  report.values["second_connections"] = veins.second_connections.size();
-  report.values["unconnected"] = unconnected;
-  report.values["total_length"] = measures.total_length;
-  report.values["loops"] = measures.loops;
-  report.values["highest_order"] = measures.highest_order;
+  describe(made, report);
   if (arguments.json) {
     print(report.text());
-  } else if (outputs.empty()) {
+  } else if (outputs.empty() && weights.empty()) {
     print(fmt::format("{} primordia, {} vertices, {} bundles at the ring, {} second connections, {} unconnected\n",
-                      primordia.size(), veins.vertices.size(), measures.bundles, veins.second_connections.size(),
-                      unconnected));
+                      head.primordia.size(), made.last().veins.vertices.size(), measures.bundles,
+                      made.last().veins.second_connections.size(), report.values["unconnected"].get<std::size_t>()));
   }
 }
 
@@ -346,44 +287,38 @@ void run(const Arguments& arguments, Console& console) {
 
 Command add_vasculature(CLI::App& app) {
   CLI::App* command =
-      add_command(app, "vasculature", "Grow the veins of a flower head that was digitised",
-                  "  anthesis vasculature my-head -o veins.ply -o veins.csv -o veins.swc\n"
-                  "  anthesis vasculature my-head --parameters bellis -o primordia.csv -o measures.csv\n"
-                  "  anthesis vasculature my-head --parameters bellis --primordia bellis_stable.prims --json");
+      add_command(app, "vasculature", "Grow the veins inside a flower head",
+                  "  anthesis vasculature sunflower-head -o veins.glb -o veins.csv -o veins.swc\n"
+                  "  anthesis vasculature bellis-head -o veins.png --view side --cut half\n"
+                  "  anthesis vasculature gerbera-head -o growing.glb --frames 13\n"
+                  "  anthesis vasculature sunflower-head --vary mu_sec=0:1:0.25 -o sheet.png -o table.csv\n"
+                  "  anthesis vasculature bellis-head -o primordia.csv -o measures.csv -o section.svg\n"
+                  "  anthesis vasculature my-vlab-folder --like bellis --primordia bellis_stable.prims --json");
   auto arguments = std::make_shared<Arguments>();
-  command
-      ->add_option("FOLDER", arguments->folder,
-                   "A VLab head: contours with markers (.cset), functions (.fset), knotPositions.dat")
-      ->required()
-      ->type_name("");
   add_outputs(*command, arguments->outputs, kFormats);
+  arguments->head.add_to(*command);
+  add_number(*command, "--at", arguments->at, {0.0, 1.0},
+             "Time of development: 0 first primordium, 1 grown; 1 if left out");
+  add_whole(*command, "--frames", arguments->frames, 1, 250,
+            "So many moments of the development: an animated .glb, pictures x_0000.png, x_0001.png ...");
+  add_whole(*command, "--columns", arguments->columns, 1, 100, "Put several pictures into one, so many in a row");
   command
-      ->add_option("--primordia", arguments->primordia,
-                   "Primordia of a file (.prims) in place of those that grow on the head; also looked for in FOLDER")
+      ->add_option(
+          "--vary", arguments->vary,
+          "KEY=FROM:TO:STEP: a head for each value of a number of the species; a .csv table, a .png sheet; repeatable")
+      ->type_name("KEY=A:B:C")
+      ->take_all();
+  command
+      ->add_option("--weights", arguments->weights, "Write all harmonic coordinates of all frames for VLab: head.raw")
       ->type_name("FILE");
   command
-      ->add_option("--parameters", arguments->parameters,
-                   "Whose parameters: bellis, sunflower or gerbera; sunflower if left out")
-      ->type_name("NAME");
-  command
-      ->add_option("--set", arguments->set,
-                   "Which of them: as-published (what the released models do, the default) or paper")
-      ->type_name("NAME");
-  command
-      ->add_option("--clock", arguments->clock,
-                   "Which outline a frame sees: published (the default) or consistent (that of the primordia's time)")
-      ->type_name("NAME");
-  command->add_flag("--as-published", arguments->as_published,
-                    "Sections and primordia step by step as the released programs make them");
-  command->add_flag("--mean-value", arguments->mean_value, "Move the inside by mean values instead of harmonically");
-  add_number(*command, "--scale", arguments->scale, {0.0, 1e6, true, false},
-             "From the files' unit to that of the parameters; 15, 10 or 15 for bellis, sunflower, gerbera");
-  add_whole(*command, "--bract-landmark", arguments->bract_landmark, 0, 10000,
-            "Outside this landmark, counted from the base, are bracts; 0: none; 3, 8 or 6 if left out");
-  add_whole(*command, "--trans-landmark", arguments->trans_landmark, 0, 10000,
-            "The same for trans florets; 0, 0 or 11 if left out");
-  add_whole(*command, "--seed", arguments->seed, 0, std::numeric_limits<std::uint64_t>::max(), "Which individual");
-  add_whole(*command, "--sides", arguments->sides, 3, 64, "Sides of the tubes of a .ply");
+      ->add_option("--control", arguments->controls,
+                   "Control points whose harmonic coordinates an .svg shows, 0 the apex; five if left out")
+      ->type_name("N")
+      ->check(CLI::Range(0, 100000))
+      ->take_all();
+  arguments->picture.add_to(*command);
+  add_whole(*command, "--sides", arguments->sides, 3, 64, "Sides of the tubes of a .ply and a .glb");
   add_whole(*command, "--threads", arguments->threads, 0, 1024,
             "Threads to use, 0 for all; results do not depend on it");
   command->add_flag("--json", arguments->json, "Print JSON");

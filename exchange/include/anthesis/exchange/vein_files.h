@@ -8,6 +8,7 @@
 #include "anthesis/base/error.h"
 #include "anthesis/vasculature/vasculature.h"
 #include "anthesis/vasculature/vein_measures.h"
+#include "anthesis/vasculature/vein_tubes.h"
 
 namespace anthesis {
 
@@ -40,17 +41,9 @@ std::string vein_measures_csv(const VasculatureMeasures& measures, std::span<con
 /// strands stand one after the other. Second connections, which SWC cannot state, are listed in comments.
 std::string veins_swc(const Vasculature& veins, const MadeFrom& made_from = {});
 
-struct VeinTubeParams {
-  int sides = 7;               ///< of a tube, 3 to 64
-  double radius_factor = 1.0;  ///< > 0, of half the diameter
-};
-
 /// Strands as closed tubes of triangles in one binary little-endian PLY mesh: x y z, nx ny nz, red green blue (abaxial
-/// yellow, floret purple, adaxial red, as in O24), `vein` (the vertex that a ring of the tube stands at) and `kind`.
-///
-/// A tube follows the thickest way from a tip outwards-in until it joins a thicker one, in whose middle it ends. Radii
-/// pass smoothly where strands join. Tubes of bends narrower than themselves cross themselves.
-/// Errors: kInvalidParameter; kTooLarge above 50 million vertices.
+/// pale yellow, floret purple, adaxial red, as in O24), `vein` (the vertex that a ring of the tube stands at), `kind`.
+/// Errors: those of vein_tubes().
 Expected<std::string> veins_ply(const Vasculature& veins, const VeinTubeParams& params = {},
                                 const MadeFrom& made_from = {});
 

@@ -21,7 +21,7 @@ struct VlabFile {
   std::string bytes;
 };
 
-/// Whether `read_vlab_object` looks at a file of this name: .con .cset .func .fset .dat and primordia.
+/// Whether `read_vlab_object` looks at a file of this name: .con .cset .func .fset .dat.
 bool is_vlab_head_file(std::string_view file_name);
 
 /// What a VLab object says about a flower head. Parts that it lacks are empty.
@@ -29,8 +29,6 @@ struct VlabObject {
   std::vector<VlabContour> contours;
   std::vector<double> knots;
   std::vector<VlabFunction> functions;
-  std::vector<VlabPrimordium> born;    ///< `*_initial.prims`
-  std::vector<VlabPrimordium> mature;  ///< `*_final.prims`
 
   const VlabFunction* find_function(std::string_view name) const;
 };
@@ -39,11 +37,21 @@ struct VlabObject {
 /// of contours the one with markers counts. Errors: those of the readers.
 Expected<VlabObject> read_vlab_object(std::span<const VlabFile> files);
 
+/// The heads of O24, whose programs state what their files do not: unit, thresholds, landmarks, veins.
+enum class VlabHeadModel { kBellis, kSunflower, kGerbera };
+
+/// "bellis", "sunflower" or "gerbera".
+std::string_view vlab_head_model_name(VlabHeadModel model);
+
 /// How VLab's numbers become millimetres. Its files state no unit.
 struct VlabScale {
   double width_mm = 20.0;      ///< greatest width of the mature receptacle, [0.01, 10,000]
   double radius_factor = 0.2;  ///< by which the model's program multiplies the function `rho`, (0, 1000]. VLab's Ridley
                                ///< model takes 0.2; it stands in the program, not in the files.
+
+  /// A growing head is one of these: it has the size of O24's tables (whatever `width_mm`) and veins.
+  std::optional<VlabHeadModel> like = std::nullopt;
+  VeinSource source = VeinSource::kAsPublished;  ///< of the parameters of veins
 };
 
 /// VLab's Ridley model (Prusinkiewicz et al. 2001, algorithm 5): spherical organs on a surface of revolution, their
@@ -60,8 +68,8 @@ Expected<VlabRidley> vlab_ridley(const VlabContour& profile, const VlabFunction&
 
 /// A species whose head is that of the object, with plain beads for organs. Two kinds of object are known:
 /// - one contour and a function named `rho`: the Ridley model above, rule kRidley, once and for all;
-/// - stages of contours with markers and the primordia of the last step (with those at insertion, if present): rule
-///   kRidley with the outlines of the stages over time, as many organs as the object has, at their final positions.
+/// - stages of contours with markers and the function thresholdDistanceFunc: rule kActiveRing, with the published clock
+///   for veins if there is a function output_dalpha.
 /// check(Species) finds nothing in it. Errors: kInvalidParameter saying which files are missing, or what is wrong.
 Expected<Species> species_from_vlab(std::string_view name, const VlabObject& object, const VlabScale& scale = {});
 

@@ -79,6 +79,14 @@ struct BSplineCurve {
 /// Parameters where the pieces of a clamped uniform B-spline meet, 0 and 1 included.
 std::vector<double> clamped_knots(int control_points, int degree);
 
+/// Where each control point of a clamped uniform B-spline acts most: the means of its knots (Greville 1964). With these
+/// as the abscissae of its control points the graph of a function is drawn at its own parameter, x(t) = t.
+std::vector<double> greville_places(int control_points, int degree);
+
+/// Control points of the clamped uniform B-spline that takes the given values at its Greville places. O(n^2).
+/// Precondition: more values than `degree`, which is at least 1.
+std::vector<Vec2> interpolating_controls(std::vector<Vec2> values, int degree);
+
 /// Interior knots of `pieces` Bezier curves of one degree joined end to end, each over an equal share of [0, 1].
 std::vector<double> bezier_chain_knots(int pieces, int degree);
 

@@ -7,6 +7,7 @@
 #include "anthesis/corolla/organ_shape.h"
 #include "anthesis/corolla/pigment.h"
 #include "anthesis/geometry/vec.h"
+#include "anthesis/vasculature/vein_params.h"
 
 namespace anthesis {
 
@@ -21,6 +22,7 @@ enum class PlacementRule {
   kSegregation,  ///< a small meristem grows and gives off an organ whenever it is large enough (O16 fig. 11c)
   kRidley,       ///< bands of given areas on a receptacle of given size (O16 eq. 3)
   kCollision,    ///< spheres of given radii that roll up from the base until they touch (F92 section 2)
+  kActiveRing,   ///< wherever there is room on the active ring of a growing head (O24 section 3)
 };
 
 /// Whether the rule makes the receptacle as large as the organs on it, or places them on one of given size.
@@ -35,6 +37,35 @@ constexpr bool grows_meristem(PlacementRule rule) {
 struct ReceptacleProfile {
   double time = 0.0;
   std::vector<Vec2> points;
+};
+
+/// The half section of a head at one stage of its growth, as it was drawn or traced on a scan. Places on it are shares
+/// s of its length: 0 apex, 1 base.
+struct HeadSection {
+  std::vector<Vec2> points;  ///< from apex to base, control points (radius, height) of a clamped cubic B-spline, mm
+  std::vector<double> landmarks;  ///< s of the same places of the tissue on all sections, from the base inwards
+  double ring = 0.0;              ///< s of the active ring
+};
+
+/// Primordia on the active ring of a head that grows through given sections (O24, C- and P-model). See
+/// docs/active-ring.md and docs/receptacle.md.
+struct ActiveRing {
+  std::vector<HeadSection> sections;  ///< youngest first, at least 3; later ones have no fewer landmarks
+  std::vector<double> knots;          ///< when: of the quadratic B-spline in time that blends the sections, three more
+                                      ///< than sections; empty: equally spaced
+  FunctionPoints threshold_mm = {{0.0, 1.0}, {1.0, 1.0}};  ///< least distance to all other primordia against time
+  int threshold_frozen_above = 0;  ///< it stays what it is with more primordia than this; 0: never
+  double relaxation = 45.32;       ///< rate at which the youngest move sideways to the distance of the threshold
+  double mobile_zone = 1.5;        ///< they may as long as their s is below so many times the ring's
+  double last_ring = 0.0025;       ///< no primordia once the ring's s is at or below this
+  double lag = 0.0;  ///< how much nearer to the apex a primordium stands, in shares of all tissue, than where it arose
+  double first_azimuth_deg = 180.0;  ///< of the first primordium
+
+  std::string floret;        ///< kind of the organs inside all landmarks below
+  std::string bract;         ///< kind outside the bract landmark
+  int bract_landmark = 0;    ///< number of the landmark, 1 outermost; 0: there are no bracts
+  std::string trans_floret;  ///< kind between the two landmarks
+  int trans_landmark = 0;    ///< 0: there are none
 };
 
 /// What grows on a stretch of the receptacle between two positions s (0 apex, 1 base).
@@ -55,11 +86,13 @@ struct FateRule {
 /// too: florets of a floret cluster, spines of a cactus' areole, heads of plants in a pot.
 struct Head {
   PlacementRule rule = PlacementRule::kCentripetal;
-  std::vector<ReceptacleProfile> receptacle;  ///< at least one, times ascending, equal numbers of points
+  std::vector<ReceptacleProfile> receptacle;  ///< at least one, times ascending, equal numbers of points; kActiveRing:
+                                              ///< none, its sections take their place
   bool bezier = false;  ///< the points are those of cubic Bezier curves, end to end: 3 n + 1; given size only
   std::string receptacle_pigment;
   double divergence_deg = 137.50776405003785;  ///< from one organ to the next, counter-clockwise seen from above
-  double interval = 0.001;                     ///< developmental time between two organs; not for kSegregation
+  double interval = 0.001;                     ///< developmental time between two organs; not for kSegregation and
+                                               ///< kActiveRing
   double height_mm = 0.0;                      ///< of a head that an organ carries: where it stands on the organ's axis
 
   // Rules that grow the meristem.
@@ -83,7 +116,10 @@ struct Head {
   FunctionPoints radius_mm = {{0.0, 1.0}, {1.0, 1.0}};  ///< of an organ's sphere against its position s
   double contact_factor = 1.0;  ///< distance of two centres at contact over the sum of their radii, (0, 1]
 
-  std::vector<Zone> zones;  ///< cover [0, 1] without gap or overlap
+  // Rule kActiveRing.
+  std::optional<ActiveRing> active_ring;
+
+  std::vector<Zone> zones;  ///< cover [0, 1] without gap or overlap; kActiveRing: none
   std::optional<FateRule> fate;
 };
 
@@ -137,6 +173,28 @@ struct Peduncle {
   std::vector<Hairs> hairs;                          ///< drawn on it
 };
 
+/// Which outline of the head the veins of a frame see, and in which frame a primordium is born.
+enum class VeinClock {
+  kConsistent,  ///< both at the frame's share of all frames
+  kPublished,   ///< as in the programs of O24: outlines follow a pace of their own, births a clock of 2000 frames
+};
+
+/// What carries tissue inside a head from frame to frame.
+enum class HeadInside {
+  kHarmonic,   ///< harmonic extension of the outline's displacement (O24, H- and G-model)
+  kMeanValue,  ///< its mean value interpolation
+};
+
+/// The veins inside the plant's own head, which must have an active ring (O24, V-model).
+struct HeadVeins {
+  VeinParams params;
+  int frames = 2214;  ///< of the whole development
+  HeadInside inside = HeadInside::kHarmonic;
+  double max_edge = 0.0625;  ///< kHarmonic: longest edge of the triangulated section, as a share of its size
+  VeinClock clock = VeinClock::kConsistent;
+  FunctionPoints pace = {{0.0, 1.0}, {1.0, 1.0}};  ///< kPublished: of the outlines, against their time
+};
+
 /// A plant, as its file states it; plain data, read once and checked once.
 struct Species {
   std::string name;        ///< "sunflower"
@@ -147,7 +205,8 @@ struct Species {
   Peduncle peduncle;
   std::vector<OrganKind> organs;  ///< in the order of the file
   std::vector<Pigment> pigments;  ///< in the order of the file
-  std::string sha256;             ///< of the file's bytes; empty for species made in code
+  std::optional<HeadVeins> vasculature;
+  std::string sha256;  ///< of the file's bytes; empty for species made in code
 };
 
 /// What is wrong with `species`, if anything: every name it uses exists, every number is within its range.

@@ -34,7 +34,12 @@ struct ActiveRingParams {
   /// A primordium may move sideways as long as its s is below this many times the ring's; > 0.
   double mobile_zone = 1.5;
 
-  double last_ring = 0.0025;             ///< no primordium appears once the ring's s is at or below this; in [0, 1]
+  double last_ring = 0.0025;  ///< no primordium appears once the ring's s is at or below this; in [0, 1]
+  /// How much nearer to the apex a primordium stands, in material coordinates, than the place of the ring where it
+  /// found room; in [0, 0.1]. Continuous model only: the published program rounds coordinates down to multiples of
+  /// 0.001, which is a lag of 0.0005 on average, and has 2 % fewer primordia by it in the sunflower.
+  double lag = 0.0;
+
   double first_azimuth_rad = math::kPi;  ///< of the first primordium, in [0, 2 pi)
 
   std::size_t bract_landmark = 0;  ///< outside it are bracts; 0: there are none

@@ -20,9 +20,10 @@ struct View {
   static View side();           ///< level
   static View front();          ///< 25 degrees above the level
   static View three_quarter();  ///< 45 degrees above the level
+  static View bottom();         ///< straight up, from below; -y is up in the picture, +x to the right as from the top
 };
 
-/// "top", "side", "front" or "three-quarter"; any other name is kUnknownParameter with the nearest.
+/// "top", "side", "front", "three-quarter" or "bottom"; any other name is kUnknownParameter with the nearest.
 Expected<View> parse_view(std::string_view name);
 
 /// What is wrong with `view`, if anything.

@@ -23,6 +23,15 @@ struct SceneMesh {
   std::vector<PigmentSpan> spans;
 };
 
+/// Makes a surface a film that can be seen through: light passes straight on, but for the share
+/// facing + (edge - facing) (1 - |cos|)^(2^doublings), which meets the surface's pigment; cos is that of the angle
+/// between its way and the surface's normal. So a thin body shows as its outline.
+struct Veil {
+  double facing = 0.03;  ///< share stopped of light that meets it head on, [0, 1]
+  double edge = 0.6;     ///< and at grazing angles, [0, 1]
+  int doublings = 2;     ///< how near grazing it becomes dense, 0 to 5
+};
+
 /// A mesh set down in the world.
 struct Instance {
   std::uint32_t mesh = 0;
@@ -30,6 +39,7 @@ struct Instance {
   std::vector<PigmentVariation> variations;  ///< one for each span of the mesh; empty: none varies
   std::optional<Colour> colour;              ///< plain colour in place of the pigments' own
   bool framed = true;                        ///< counts when the camera frames the scene; a long stem may not
+  std::optional<Veil> veil;                  ///< none: light meets the surface wherever it is
 };
 
 /// A distant lamp: a cone of even light. The camera does not see it.
@@ -67,6 +77,15 @@ struct Ground {
   Colour colour = {0.7, 0.7, 0.7};
 };
 
+/// Lets what the camera sees fade into the backdrop with its distance, so that near and far can be told apart: not at
+/// all where dot(towards, place) >= clear_mm, by `share` where it is <= dense_mm, in proportion between.
+struct Haze {
+  Vec3 towards = {0.0, 0.0, 1.0};  ///< unit, to the camera
+  double clear_mm = 0.0;
+  double dense_mm = -1.0;  ///< < clear_mm
+  double share = 0.5;      ///< [0, 1]
+};
+
 /// What stands behind the plant, in display light (what the eye is to see, whatever the exposure).
 struct Backdrop {
   bool transparent = false;  ///< an alpha channel in place of the colours
@@ -85,6 +104,7 @@ struct Scene {
   std::vector<Instance> instances;
   Lighting lighting;
   std::optional<Ground> ground;
+  std::optional<Haze> haze;
   Backdrop backdrop = Backdrop::light();
 };
 

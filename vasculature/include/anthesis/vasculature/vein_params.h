@@ -21,10 +21,10 @@ struct VeinJitter {
 
 /// How the strand of one kind of primordium begins: straight into the head, along the inward normal.
 struct VeinInitial {
-  double depth = 0.1;                              ///< > 0
+  double depth_mm = 0.1;                           ///< > 0
   bool depth_follows_course = false;               ///< times VeinParams::depth_course at birth
   std::array<double, 2> depth_range = {1.0, 1.0};  ///< times a random number, once for each primordium
-  double sinking = 0.0;                            ///< the initial points this much further down, >= 0
+  double sinking_mm = 0.0;                         ///< the initial points this much further down, >= 0
   std::array<int, 2> delay_frames = {0, 0};        ///< from birth to start, a random whole number, ends included
   VeinKind kind = VeinKind::kAbaxial;
   VeinKind strand = VeinKind::kAbaxial;  ///< of the innermost vertex, and of the strand that goes on from there
@@ -69,31 +69,34 @@ struct VeinReticulation {
   int delay_frames = 285;         ///< from the start of a strand, >= 0
   double ratio_limit = 1.3;       ///< kLeastResistance: resistance of the new way over that of the old one
   double difference_limit = 3.3;  ///< kOldestNeighbour: resistance of the new way less that of the old one
-  double reach = 0.5;             ///< kOldestNeighbour: longest second connection
-  double neighbourhood = 0.7;     ///< kOldestNeighbour: no point farther than this is considered
+  double reach_mm = 0.5;          ///< kOldestNeighbour: longest second connection
+  double neighbourhood_mm = 0.7;  ///< kOldestNeighbour: no point farther than this is considered
 };
 
 /// Strands that grow towards sources below the surface, by space colonisation (Runions et al. 2007).
 struct VeinColonisation {
   bool enabled = false;
-  std::array<double, 2> window = {0.463, 0.95};      ///< times in [0, 1] between which sources appear; growth goes on
-  TimeCourse s;                                      ///< where on the outline: 0 apex, 1 rim
-  std::array<double, 2> depth_range = {0.65, 0.66};  ///< below the surface
-  int sources_per_frame = 20;                        ///< at most
-  double spacing = 0.015;                            ///< between a new source and those of earlier frames
-  double kill_distance = 0.13;                       ///< a source this near a strand is used up
-  double step = 0.0065;                              ///< at the end; twice that at time 0
+  std::array<double, 2> window = {0.463, 0.95};   ///< times in [0, 1] between which sources appear; growth goes on
+  TimeCourse s;                                   ///< where on the outline: 0 apex, 1 rim
+  std::array<double, 2> depth_mm = {0.65, 0.66};  ///< below the surface
+  int sources_per_frame = 20;                     ///< at most
+  double spacing_mm = 0.015;                      ///< between a new source and those of earlier frames
+  double kill_distance_mm = 0.13;                 ///< a source this near a strand is used up
+  double step_mm = 0.0065;                        ///< at the end; twice that at time 0
   double resistivity_factor = 0.05;
   VeinJitter jitter;
 };
 
-/// The vein model of O24 (V-model), as data. Lengths are in the unit of the head, ages in frames, times in [0, 1] =
-/// frame / last frame. Resistivities are ratios: that of a mature strand is `mature_resistivity`.
+/// The vein model of O24 (V-model), as data. Lengths are millimetres (O24 states no unit: that of its tables), ages
+/// frames, times in [0, 1] = frame / last frame. Resistivities are ratios: that of a mature strand is
+/// `mature_resistivity`.
 struct VeinParams {
+  VeinParams();  // with the values below; where it is inlined GCC 12 takes them for uninitialised
+
   // ring
-  int ring_vertices = 52;     ///< at least 1
-  double ring_radius = 0.75;  ///< share of the base's radius in frame 0, in (0, 1]
-  double ring_inset = 0.025;  ///< less this
+  int ring_vertices = 52;        ///< at least 1
+  double ring_radius = 0.75;     ///< share of the base's radius in frame 0, in (0, 1]
+  double ring_inset_mm = 0.025;  ///< less this
 
   // when
   double first_start = 0.1;  ///< strands start at times later than this
@@ -107,36 +110,36 @@ struct VeinParams {
   TimeCourse ground_resistivity = {{{0.0, 1.0}}};
   TimeCourse maturation_frames = {{{0.0, 1.0}}};  ///< rounded down; 0: mature at once
   double mature_resistivity = 1.0;
-  double vein_weight = 1.0;          ///< of the resistance of the way through strands
-  double age_weight = 0.0;           ///< mu_age of O24 eq. 10
-  double age_offset = 1.0;           ///< what eq. 10 takes off the ratio of ages
-  bool visible_only = false;         ///< only vertices that are not shielded may be joined
-  double shielding_angle_rad = 0.5;  ///< width of the nearest vertex as a shield; in (0, pi]
-  double sector_weight = 0.0;        ///< mu_sec of O24 eq. 13
+  double vein_weight = 1.0;           ///< of the resistance of the way through strands
+  double age_weight = 0.0;            ///< mu_age of O24 eq. 10
+  double age_offset = 1.0;            ///< what eq. 10 takes off the ratio of ages
+  bool visible_only = false;          ///< only vertices that are not shielded may be joined
+  double shielding_angle_deg = 30.0;  ///< width of the nearest vertex as a shield; in (0, 180]
+  double sector_weight = 0.0;         ///< mu_sec of O24 eq. 13
   SectorRule sector_rule = SectorRule::kSquaredDistance;
   double inward_limit = -1.0;  ///< a way whose direction has a radial part below this is avoided; -1: none
 
   // strands
-  double step = 0.02;
-  double merge_distance = 0.03;
+  double step_mm = 0.02;
+  double merge_distance_mm = 0.03;
   double momentum = 0.0;  ///< of the initial's depth vector, kept by the strand's tip; 0: straight
   bool retarget = false;  ///< choose again at each step
   DeviationRule deviation = DeviationRule::kUniform;
   double drift = 0.0;  ///< each step down by a random share of this many steps
   JoinRule join = JoinRule::kThere;
-  double split_length = 0.1;  ///< longer edges are halved, once a frame
+  double split_length_mm = 0.1;  ///< longer edges are halved, once a frame
 
   VeinReticulation reticulation;
   VeinColonisation colonisation;
 
   // diameters
   DiameterRule diameter_rule = DiameterRule::kMurray;
-  double murray_exponent = 5.0;                          ///< >= 1
-  std::array<double, 3> tip_diameter = {0.1, 0.1, 0.1};  ///< floret, abaxial, adaxial
-  double second_share = 1.0 / 3.0;                       ///< kMurray: of d^n, what a later way out gets, in [0, 0.5]
+  double murray_exponent = 5.0;                             ///< >= 1
+  std::array<double, 3> tip_diameter_mm = {0.1, 0.1, 0.1};  ///< floret, abaxial, adaxial
+  double second_share = 1.0 / 3.0;                          ///< kMurray: of d^n, what a later way out gets, in [0, 0.5]
 };
 
-/// What is wrong with parameters, if anything; `where` is like "initials[0].depth".
+/// What is wrong with parameters, if anything; `where` is like "initials[0].depth_mm".
 std::optional<Error> check(const VeinParams& params);
 
 /// Where the constants of a species come from.

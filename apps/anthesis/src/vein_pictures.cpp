@@ -1,0 +1,87 @@
+#include "vein_pictures.h"
+
+#include <algorithm>
+
+#include "anthesis/base/version.h"
+
+namespace anthesis::cli {
+namespace {
+
+/// Strands and films of light have little noise: a third of what petals need.
+PictureOptions well_sampled(PictureOptions options) {
+  constexpr int kSamples = 16;
+  if (!options.samples && options.quality == "final") {
+    options.samples = kSamples;
+  }
+  return options;
+}
+
+HeadCut cut_of(const std::string& word) {
+  if (word == "whole") {
+    return HeadCut::kWhole;
+  }
+  if (word == "half") {
+    return HeadCut::kHalf;
+  }
+  if (word == "slice") {
+    return HeadCut::kSlice;
+  }
+  throw usage("--cut must be whole, half or slice, got " + word);
+}
+
+}  // namespace
+
+VeinPictureOptions::VeinPictureOptions() {
+  picture.backdrop = "dark";
+  picture.view = "front";
+}
+
+void VeinPictureOptions::add_to(CLI::App& app) {
+  picture.add_to(app, false);
+  app.add_option("--cut", cut,
+                 "Pictures: whole (the default), half (without the half in front) or slice (what is near the middle)")
+      ->type_name("NAME");
+  app.add_flag("--no-receptacle", no_receptacle, "Pictures and GLB: strands alone, without the receptacle");
+  app.add_flag("--show-primordia", primordia, "Pictures: a bead where each primordium stands");
+  app.add_flag("--scale-bar", scale_bar,
+               "Pictures: a bar below the head, its length in --json and in the file's texts");
+}
+
+VeinPhotographer::VeinPhotographer(const VeinPictureOptions& options) : photographer_(well_sampled(options.picture)) {
+  scene_.view = photographer_.view();
+  scene_.backdrop = photographer_.backdrop();
+  scene_.cut = cut_of(options.cut);
+  scene_.receptacle = !options.no_receptacle;
+  scene_.primordia = options.primordia;
+  scene_.scale_bar = options.scale_bar;
+}
+
+Image VeinPhotographer::photograph(const GrownHead& head, const HeadMoment& moment, std::optional<HeadExtent> extent,
+                                   const Progress& progress) const {
+  VeinSceneOptions options = scene_;
+  options.extent = extent;
+  const std::vector<Vec2> outline = outline_of(head.contours, moment.frame);
+  const Scene scene = value_of(make_scene(moment.veins, outline, head.primordia, options));
+  return photographer_.photograph(scene, scene, progress, vein_lighting);
+}
+
+HeadExtent extent_of(const GrownHead& head) {
+  HeadExtent extent = anthesis::extent_of(outline_of(head.contours, head.moments.front().frame));
+  for (const HeadMoment& moment : head.moments) {
+    const HeadExtent other = anthesis::extent_of(outline_of(head.contours, moment.frame));
+    extent.radius_mm = std::max(extent.radius_mm, other.radius_mm);
+    extent.lowest_mm = std::min(extent.lowest_mm, other.lowest_mm);
+    extent.highest_mm = std::max(extent.highest_mm, other.highest_mm);
+  }
+  return extent;
+}
+
+std::vector<PngText> png_texts(const MadeFrom& lines) {
+  std::vector<PngText> texts = {{"Software", std::string("Anthesis ") + kVersion}};
+  for (const auto& [key, value] : lines) {
+    texts.push_back({key, value});
+  }
+  return texts;
+}
+
+}  // namespace anthesis::cli

@@ -1,0 +1,197 @@
+#include "vein_study.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+#include "anthesis/base/math.h"
+#include "anthesis/base/parallel.h"
+#include "anthesis/base/version.h"
+#include "anthesis/exchange/species_key.h"
+#include "anthesis/render/caption.h"
+#include "anthesis/vasculature/vein_measures.h"
+
+namespace anthesis::cli {
+namespace {
+
+constexpr std::size_t kMostRuns = 1000;
+constexpr double kSpare = 1e-9;  // of a step: 0:1:0.1 has eleven values
+
+/// What stands in the table for a head.
+std::vector<std::pair<std::string, std::string>> figures_of(const GrownHead& head,
+                                                            const VasculatureMeasures& measures) {
+  std::array<std::size_t, 3> kinds{};
+  double own_length = 0.0;
+  double to_ring = 0.0;
+  double turned = 0.0;
+  double sectors = 0.0;
+  double resistance = 0.0;
+  std::size_t connected = 0;
+  const Vasculature& veins = head.moments.back().veins;
+  for (std::size_t i = 0; i < head.primordia.size(); ++i) {
+    ++kinds[static_cast<std::size_t>(head.primordia[i].kind)];
+    const StrandMeasures& strand = measures.strands[i];
+    if (strand.connected) {
+      ++connected;
+      own_length += strand.own_length;
+      to_ring += strand.length_to_ring;
+      turned += std::abs(strand.turned_rad);
+      sectors += strand.sectors_crossed;
+      resistance = std::max(resistance, veins.vertices[strand.vertex].resistance);
+    }
+  }
+  const double strands = std::max<double>(1.0, static_cast<double>(connected));
+  return {{"bracts", std::to_string(kinds[0])},
+          {"trans_florets", std::to_string(kinds[1])},
+          {"florets", std::to_string(kinds[2])},
+          {"connected", std::to_string(connected)},
+          {"vertices", std::to_string(veins.vertices.size())},
+          {"ring_vertices_used", std::to_string(measures.bundles)},
+          {"second_connections", std::to_string(veins.second_connections.size())},
+          {"joints", std::to_string(measures.joints)},
+          {"loops", std::to_string(measures.loops)},
+          {"highest_order", std::to_string(measures.highest_order)},
+          {"total_length_mm", to_text(measures.total_length)},
+          {"mean_own_length_mm", to_text(own_length / strands)},
+          {"mean_length_to_ring_mm", to_text(to_ring / strands)},
+          {"mean_turned_deg", to_text(math::degrees(turned / strands))},
+          {"mean_sectors_crossed", to_text(sectors / strands)},
+          {"greatest_resistance", to_text(resistance)}};
+}
+
+/// Which value of each variation the run takes.
+std::vector<std::size_t> places_of(std::size_t run, const std::vector<Variation>& variations) {
+  std::vector<std::size_t> places(variations.size());
+  for (std::size_t v = variations.size(); v-- > 0;) {
+    places[v] = run % variations[v].values.size();
+    run /= variations[v].values.size();
+  }
+  return places;
+}
+
+}  // namespace
+
+Variation parse_variation(const std::string& text) {
+  const std::size_t equals = text.find('=');
+  const std::size_t first = text.find(':', equals == std::string::npos ? 0 : equals);
+  const std::size_t second = first == std::string::npos ? first : text.find(':', first + 1);
+  if (equals == std::string::npos || equals == 0 || second == std::string::npos) {
+    throw usage("--vary must be KEY=FROM:TO:STEP, got " + text);
+  }
+  const auto number = [&](std::size_t from, std::size_t to) {
+    return parse_number("--vary", text.substr(from, to == std::string::npos ? to : to - from), {-1e9, 1e9});
+  };
+  const double from = number(equals + 1, first);
+  const double to = number(first + 1, second);
+  const double step = number(second + 1, std::string::npos);
+  if (!(step > 0.0) || to < from) {
+    throw usage("--vary must go up from FROM to TO by a STEP > 0, got " + text);
+  }
+  const double count = std::floor((to - from) / step + kSpare) + 1.0;
+  if (count > static_cast<double>(kMostRuns)) {
+    throw usage(fmt::format("--vary must give at most {} values, got {}", kMostRuns, text));
+  }
+  Variation variation{text.substr(0, equals), {}};
+  for (int i = 0; i < static_cast<int>(count); ++i) {
+    variation.values.push_back(std::round((from + i * step) * 1e12) / 1e12);  // 0.3, not 0.30000000000000004
+  }
+  return variation;
+}
+
+void run_study(const HeadArguments& arguments, const std::vector<std::string>& texts, double at,
+               const VeinPictureOptions& picture, std::optional<int> columns, const std::vector<Output>& outputs,
+               bool json, Console& console) {
+  std::vector<Variation> variations;
+  std::size_t runs = 1;
+  for (const std::string& text : texts) {
+    variations.push_back(parse_variation(text));
+    runs *= variations.back().values.size();
+    if (runs > kMostRuns) {
+      throw usage(fmt::format("--vary must give at most {} heads together", kMostRuns));
+    }
+  }
+  const bool pictures = std::any_of(outputs.begin(), outputs.end(), [](const Output& o) { return o.format == "png"; });
+  const VeinPhotographer photographer(picture);
+  Report report;
+  const Species species = report.time("species", [&] { return find_head(arguments); });
+  std::vector<Species> heads;  // all are checked before the first is grown
+  for (std::size_t run = 0; run < runs; ++run) {
+    Species& head = heads.emplace_back(species);
+    const std::vector<std::size_t> places = places_of(run, variations);
+    for (std::size_t v = 0; v < variations.size(); ++v) {
+      set(head, "--vary", {variations[v].key, variations[v].values[places[v]]});
+    }
+    if (auto error = check(head)) {
+      throw failure(*error);
+    }
+  }
+  std::string table;
+  std::vector<Image> images;
+  nlohmann::ordered_json rows = nlohmann::ordered_json::array();
+  MadeFrom lines;
+  std::optional<HeadExtent> extent;
+  const Progress progress = console.progress();
+  for (std::size_t run = 0; run < runs; ++run) {
+    const std::string stage = fmt::format("head {} of {}: ", run + 1, runs);
+    const Progress watch = [&](std::string_view part, double fraction) {
+      return progress(stage + std::string(part), fraction);
+    };
+    const GrownHead grown = grow_head(arguments, heads[run], {at}, report, watch);
+    const VasculatureMeasures measures = report.time("measures", [&] { return measure(grown.moments.back().veins); });
+    const std::vector<std::size_t> places = places_of(run, variations);
+    std::string header;
+    std::string row;
+    std::string caption;
+    nlohmann::ordered_json object;
+    for (std::size_t v = 0; v < variations.size(); ++v) {
+      const std::string value = to_text(variations[v].values[places[v]]);
+      header += (v == 0 ? "" : ",") + variations[v].key;
+      row += (v == 0 ? "" : ",") + value;
+      caption += (v == 0 ? "" : "  ") + variations[v].key + " = " + value;
+      object[variations[v].key] = variations[v].values[places[v]];
+    }
+    for (const auto& [key, value] : figures_of(grown, measures)) {
+      header += "," + key;
+      row += "," + value;
+      object[key] = nlohmann::ordered_json::parse(value);
+    }
+    if (run == 0) {
+      lines = made_from(arguments, species, grown.moments.back());
+      table = fmt::format("# generator: Anthesis {}\n", kVersion);
+      for (const auto& [key, value] : lines) {
+        table += fmt::format("# {}: {}\n", key, value);
+      }
+      table += header + "\n";
+      extent = extent_of(grown);
+    }
+    table += row + "\n";
+    rows.push_back(std::move(object));
+    if (pictures) {
+      images.push_back(
+          report.time("render", [&] { return photographer.photograph(grown, grown.moments.back(), extent, watch); }));
+      write_caption(images.back(), caption);
+    }
+  }
+  for (const Output& output : outputs) {
+    if (output.format == "png") {
+      const int across = columns.value_or(static_cast<int>(variations.back().values.size()));
+      const Image sheet = contact_sheet(images, std::min<int>(across, static_cast<int>(images.size())));
+      write_output(report, output.path, value_of(encode_png(sheet, png_texts(lines))));
+    } else {
+      write_output(report, output.path, table);
+    }
+  }
+  report.values["species"] = species.name;
+  report.values["seed"] = arguments.seed;
+  report.values["version"] = kVersion;
+  report.values["heads"] = std::move(rows);
+  if (json) {
+    print(report.text());
+  } else if (outputs.empty()) {
+    print(table);
+  }
+}
+
+}  // namespace anthesis::cli

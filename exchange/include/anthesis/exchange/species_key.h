@@ -1,0 +1,24 @@
+#pragma once
+#include <optional>
+#include <string>
+#include <string_view>
+
+#include "anthesis/base/error.h"
+#include "anthesis/inflorescence/species.h"
+
+namespace anthesis {
+
+/// The whole name of a key of species files: "vasculature.sector_weight" for "sector_weight" and, by its symbol in O24,
+/// for "mu_sec" (so mu_age, delta, tau_m, r_G, r_V, kappa, n). Names of one part are looked for in [vasculature]. Names
+/// with a point, and any other, stay as they are.
+std::string whole_key(std::string_view key);
+
+/// Sets a number of a species by its key: "head.active_ring.last_ring", "head.active_ring.sections[2].ring",
+/// "organs.ray.layering_deg", "mu_sec". A function or a course becomes constant, a range a single value. Rules between
+/// several keys are left to check(Species).
+///
+/// Errors: kUnknownParameter, with the nearest key; kInvalidParameter for a value out of range and a key that is not a
+/// number. The species is then as it was.
+std::optional<Error> set_number(Species& species, std::string_view key, double value);
+
+}  // namespace anthesis

@@ -1,0 +1,71 @@
+#include "anthesis/exchange/species_key.h"
+
+#include <gmock/gmock.h>
+
+#include "anthesis/exchange/species_file.h"
+
+namespace anthesis {
+namespace {
+
+using testing::HasSubstr;
+
+Species head() {
+  Species species = *find_species("sunflower-head");
+  return species;
+}
+
+std::string message(const std::optional<Error>& error) {
+  return error ? to_string(*error) : "no error";
+}
+
+TEST(SpeciesKey, SetsNumbersWhereverTheyStand) {
+  Species species = head();
+  EXPECT_EQ(message(set_number(species, "vasculature.sector_weight", 0.25)), "no error");
+  EXPECT_EQ(species.vasculature->params.sector_weight, 0.25);
+  EXPECT_EQ(message(set_number(species, "head.active_ring.sections[1].ring", 0.5)), "no error");
+  EXPECT_EQ(species.head.active_ring->sections[1].ring, 0.5);
+  EXPECT_EQ(message(set_number(species, "vasculature.ring_vertices", 21)), "no error");
+  EXPECT_EQ(species.vasculature->params.ring_vertices, 21);
+  EXPECT_EQ(message(set_number(species, "organs." + species.organs[0].name + ".sink_mm", 0.125)), "no error");
+  EXPECT_EQ(species.organs[0].sink_mm, 0.125);
+  EXPECT_EQ(message(set_number(species, "vasculature.floret.jitter.strength", 0.75)), "no error");
+  EXPECT_EQ(species.vasculature->params.initials[2].jitter.strength, 0.75);
+}
+
+TEST(SpeciesKey, KnowsTheSymbolsOfThePaper) {
+  Species species = head();
+  EXPECT_EQ(whole_key("mu_sec"), "vasculature.sector_weight");
+  EXPECT_EQ(message(set_number(species, "mu_sec", 0.75)), "no error");
+  EXPECT_EQ(species.vasculature->params.sector_weight, 0.75);
+  EXPECT_EQ(message(set_number(species, "kappa", 1.5)), "no error");
+  EXPECT_EQ(species.vasculature->params.reticulation.ratio_limit, 1.5);
+}
+
+TEST(SpeciesKey, MakesCoursesConstantAndRangesSingle) {
+  Species species = head();
+  EXPECT_EQ(message(set_number(species, "r_G", 1.5)), "no error");
+  for (const double time : {0.0, 0.4, 1.0}) {
+    EXPECT_EQ(species.vasculature->params.ground_resistivity.at(time), 1.5);
+  }
+  EXPECT_EQ(message(set_number(species, "vasculature.floret.delay_frames", 7)), "no error");
+  EXPECT_EQ(species.vasculature->params.initials[2].delay_frames, (std::array{7, 7}));
+}
+
+TEST(SpeciesKey, RefusesWithTheRuleAndLeavesTheSpeciesAlone) {
+  Species species = head();
+  const std::string before = write_species(species);
+  const auto refused = [&](std::string_view key, double value) { return message(set_number(species, key, value)); };
+  EXPECT_THAT(refused("vasculature.sector_wieght", 1.0), HasSubstr("did you mean sector_weight?"));
+  EXPECT_THAT(refused("sector_wieght", 1.0), HasSubstr("did you mean sector_weight?"));
+  EXPECT_THAT(refused("mu_sec", -1.0), HasSubstr("vasculature.sector_weight must be in [0, 1e+06], got -1"));
+  EXPECT_THAT(refused("ring_vertices", 2.5), HasSubstr("must be a whole number in [1, 100000], got 2.5"));
+  EXPECT_THAT(refused("join", 1.0), HasSubstr("must be a number, which this key is not"));
+  EXPECT_THAT(refused("head.active_ring.sections[99].ring", 0.5), HasSubstr("must be that of one of"));
+  EXPECT_THAT(refused("organs.nobody.sink_mm", 0.5), HasSubstr("must be a key of one of the species' organs"));
+  EXPECT_THAT(refused("head.fate.cone_deg", 0.5), HasSubstr("must be in a table that the species has, got none"));
+  EXPECT_THAT(refused("", 0.5), HasSubstr("is not known"));
+  EXPECT_EQ(write_species(species), before);
+}
+
+}  // namespace
+}  // namespace anthesis
