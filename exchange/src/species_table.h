@@ -555,6 +555,10 @@ void describe(V& v, Table<HeadVeins>) {
   v.number("floret_tip_mm", kTip<0>, kVeinLength, "Diameter of tips of florets.");
   v.number("abaxial_tip_mm", kTip<1>, kVeinLength, "Diameter of abaxial tips.");
   v.number("adaxial_tip_mm", kTip<2>, kVeinLength, "Diameter of adaxial tips.");
+  v.points("diameter_course", kCourse<&P::diameter_course>, course_of(above(0.0, 1e6)),
+           "Factor of all diameters against time.");
+  v.integer("fade_in_frames", of_veins(&P::fade_in_frames), 0, 1000000,
+            "Age at which a piece of a strand has its whole diameter; 0: at once.");
   v.number("second_share", of_veins(&P::second_share), within(0.0, 0.5), "Share that a second way gets.");
 }
 

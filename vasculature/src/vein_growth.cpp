@@ -207,6 +207,14 @@ Vasculature VeinGrowth::at(std::uint32_t frame) const {
   }
   settle(network, frame);
   const Diameters widths = diameters(network, params_, ring_);
+  const double factor = params_.diameter_course.at(time_of(frame));
+  const auto faded_in = [&](std::uint32_t v) {
+    if (params_.fade_in_frames == 0) {
+      return 1.0;
+    }
+    const double age = std::clamp(static_cast<double>(network.age[v]) / params_.fade_in_frames, 0.0, 1.0);
+    return age * age * (3.0 - 2.0 * age);
+  };
   Vasculature result;
   result.ring_vertices = ring_;
   for (const Source& source : sources_) {
@@ -214,12 +222,19 @@ Vasculature VeinGrowth::at(std::uint32_t frame) const {
   }
   result.vertices.resize(network.size());
   for (std::uint32_t v = 0; v < network.size(); ++v) {
-    result.vertices[v] = {network.position[v], network.parent[v],      network.kind[v],       network.age[v],
-                          widths.vertices[v],  network.resistivity[v], network.resistance[v], network.primordium[v]};
+    result.vertices[v] = {network.position[v],
+                          network.parent[v],
+                          network.kind[v],
+                          network.age[v],
+                          factor * faded_in(v) * widths.vertices[v],
+                          network.resistivity[v],
+                          network.resistance[v],
+                          network.primordium[v]};
   }
   for (std::size_t w = 0; w < network.second_ways.size(); ++w) {
     const SecondWay& way = network.second_ways[w];
-    result.second_connections.push_back({way.from, way.to, way.primordium, widths.second_ways[w]});
+    result.second_connections.push_back(
+        {way.from, way.to, way.primordium, factor * faded_in(way.to) * widths.second_ways[w]});
   }
   for (const Strand& strand : strands_) {
     result.primordia.push_back(strand.surface);

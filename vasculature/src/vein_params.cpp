@@ -108,6 +108,8 @@ std::optional<Error> check(const VeinParams& params) {
   for (std::size_t i = 0; i < params.tip_diameter_mm.size(); ++i) {
     checker.number("tip_diameter_mm[" + std::to_string(i) + "]", params.tip_diameter_mm[i], kSmall, kMost);
   }
+  checker.course("diameter_course", params.diameter_course, 1e-6, 1e6);
+  checker.whole("fade_in_frames", params.fade_in_frames, 0, kMostFrames);
   checker.number("second_share", params.second_share, 0.0, 0.5);
   return checker.error;
 }

@@ -65,6 +65,7 @@ VeinParams bellis_veins(VeinSource source) {
   params.reticulation.rule = ReticulationRule::kOldestNeighbour;
   set_jitter(params, 0.35, 0.34);
   params.diameter_rule = DiameterRule::kMurrayByKind;
+  params.fade_in_frames = 24;
   params.murray_exponent = 1.0 / 0.19;
   params.tip_diameter_mm = {0.0479, 0.0878, 0.0878};
   return params;
@@ -139,6 +140,16 @@ VeinParams sunflower_veins(VeinSource source) {
     initial_of(params, kind).strand_jitter = {0.49, 2.0 * 0.82};
   }
   params.diameter_rule = DiameterRule::kMurrayByKind;
+  params.fade_in_frames = 24;
+  params.diameter_course = {{{0.0, 0.293},
+                             {0.2, 0.302},
+                             {0.4, 0.343},
+                             {0.5, 0.392},
+                             {0.6, 0.497},
+                             {0.7, 0.719},
+                             {0.8, 0.888},
+                             {0.9, 0.968},
+                             {1.0, 0.996}}};
   params.murray_exponent = 5.0;
   params.tip_diameter_mm = {0.1071, 0.1530, 0.0918};
   return params;
@@ -205,6 +216,7 @@ VeinParams gerbera_veins(VeinSource source) {
   params.deviation = DeviationRule::kProjected;
   set_jitter(params, 0.66, 0.27);
   params.diameter_rule = DiameterRule::kMurrayByKind;
+  params.fade_in_frames = 24;
   params.murray_exponent = 5.0;
   params.tip_diameter_mm = {0.0919, 0.1470, 0.1259};
   return params;

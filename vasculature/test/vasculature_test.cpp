@@ -186,6 +186,25 @@ TEST(GrowVeins, SecondConnectionsNeedALimitThatAllowsThem) {
   }
 }
 
+TEST(GrowVeins, StrandsThickenWithTheirAgeAndByTheirCourse) {
+  VeinParams params = plain_veins();
+  const std::vector<VeinPrimordium> primordia = {on_top(0, 1, 0.6, 0.0), on_top(1, 60, 0.7, 3.0)};
+  const Vasculature full = grown(params, still_cylinder(100), primordia);
+  params.diameter_course.points = {{0.0, 0.2}, {1.0, 0.5}};
+  params.fade_in_frames = 50;
+  const Vasculature faded = grown(params, still_cylinder(100), primordia);
+  ASSERT_EQ(full.vertices.size(), faded.vertices.size());
+  std::set<double> shares;
+  for (std::size_t v = full.ring_vertices; v < full.vertices.size(); ++v) {
+    const double age = std::min(1.0, full.vertices[v].age_frames / 50.0);
+    const double share = 0.5 * age * age * (3.0 - 2.0 * age);
+    EXPECT_NEAR(faded.vertices[v].diameter, share * full.vertices[v].diameter, 1e-12);
+    shares.insert(share);
+  }
+  EXPECT_GE(shares.size(), 2u);  // an old strand and a young one
+  EXPECT_EQ(*shares.rbegin(), 0.5);
+}
+
 TEST(GrowVeins, AdaxialStrandsGrowTowardsTheirSourcesAndUseThemUp) {
   VeinParams params = plain_veins();
   params.ring_vertices = 8;

@@ -63,9 +63,8 @@ Command add_import(CLI::App& app) {
   add_number(*command, "--radius-factor", arguments->scale.radius_factor, {0.0, 1000.0, true, false},
              "Factor of the function rho");
   command
-      ->add_option(
-          "--like", arguments->like,
-          "Whose size, thresholds, landmarks, veins: bellis, sunflower, gerbera; else by the folder's name")
+      ->add_option("--like", arguments->like,
+                   "Whose size, thresholds, landmarks, veins: bellis, sunflower, gerbera; else by the folder's name")
       ->type_name("NAME");
   command->add_flag("--json", arguments->json, "Print JSON");
   return {command, [arguments](Console&) { run(*arguments); }};

@@ -14,6 +14,7 @@
 #include "anthesis/exchange/section_figures.h"
 #include "anthesis/exchange/vein_files.h"
 #include "anthesis/exchange/vein_glb.h"
+#include "anthesis/render/caption.h"
 #include "anthesis/vasculature/vein_measures.h"
 #include "collision_options.h"
 #include "head.h"
@@ -150,7 +151,16 @@ void write_pictures(const Made& made, const Output& output, const VeinPhotograph
     const Progress watch = [&](std::string_view part, double fraction) {
       return progress(stage + std::string(part), fraction);
     };
-    images.push_back(report.time("render", [&] { return photographer.photograph(made.head, moment, extent, watch); }));
+    const HeadExtent own = anthesis::extent_of(outline_of(made.head.contours, moment.frame));
+    const HeadExtent& framed = arguments.picture.own_size ? own : extent;
+    images.push_back(report.time("render", [&] { return photographer.photograph(made.head, moment, framed, watch); }));
+    if (arguments.picture.own_size) {
+      std::string caption = fmt::format("time {:.3g}", moment.time);
+      if (arguments.picture.scale_bar) {
+        caption += fmt::format(", bar {} mm", to_text(scale_bar_mm(own.radius_mm)));
+      }
+      write_caption(images.back(), caption);
+    }
     if (!arguments.columns) {
       const MadeFrom lines = made_from(arguments.head, made.species, moment);
       write_output(report, arguments.frames ? numbered(output.path, i) : output.path,

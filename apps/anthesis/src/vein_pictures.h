@@ -16,6 +16,7 @@ struct VeinPictureOptions {
   bool no_receptacle = false;
   bool primordia = false;
   bool scale_bar = false;
+  bool own_size = false;
 
   VeinPictureOptions();
   void add_to(CLI::App& app);

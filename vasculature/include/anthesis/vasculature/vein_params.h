@@ -136,6 +136,8 @@ struct VeinParams {
   DiameterRule diameter_rule = DiameterRule::kMurray;
   double murray_exponent = 5.0;                             ///< >= 1
   std::array<double, 3> tip_diameter_mm = {0.1, 0.1, 0.1};  ///< floret, abaxial, adaxial
+  TimeCourse diameter_course = {{{0.0, 1.0}}};              ///< factor of all diameters
+  int fade_in_frames = 0;                                   ///< age at which an edge has its whole diameter; 0: at once
   double second_share = 1.0 / 3.0;                          ///< kMurray: of d^n, what a later way out gets, in [0, 0.5]
 };
 
