@@ -469,13 +469,13 @@ inline constexpr auto kSourcePlaces = [](auto& colonisation) -> auto& {
 template <class V>
 void describe(V& v, Table<VeinColonisation>) {
   using T = VeinColonisation;
-  v.flag("enabled", &T::enabled, "Whether strands grow towards sources below the surface.");
-  v.range("window", &T::window, kUnit, "Times between which sources appear.");
+  v.flag("enabled", &T::enabled, "Whether strands grow towards attraction points below the surface.");
+  v.range("window", &T::window, kUnit, "Times between which attraction points appear.");
   v.points("s", kSourcePlaces, course_of(kUnit), "Where on the outline, against time: 0 apex, 1 rim.");
-  v.range("depth_mm", &T::depth_mm, kAnyPositive, "Depth of sources below the surface, in mm.");
-  v.integer("sources_per_frame", &T::sources_per_frame, 0, 10000, "At most so many in a frame.");
-  v.number("spacing_mm", &T::spacing_mm, kVeinLength, "Between a new source and those of earlier frames.");
-  v.number("kill_distance_mm", &T::kill_distance_mm, kVeinLength, "A source this near a strand is used up.");
+  v.range("depth_mm", &T::depth_mm, kAnyPositive, "Depth of attraction points below the surface, in mm.");
+  v.integer("points_per_frame", &T::points_per_frame, 0, 10000, "At most so many in a frame.");
+  v.number("spacing_mm", &T::spacing_mm, kVeinLength, "Between a new point and those of earlier frames.");
+  v.number("kill_distance_mm", &T::kill_distance_mm, kVeinLength, "A point this near a strand is used up.");
   v.number("step_mm", &T::step_mm, kVeinLength, "Of a strand at the end; twice that at time 0.");
   v.number("resistivity_factor", &T::resistivity_factor, kAnyPositive, "Of these strands.");
   v.table("jitter", &T::jitter, Layout::kInline, "Deviation of these strands.");
@@ -549,7 +549,8 @@ void describe(V& v, Table<HeadVeins>) {
   v.choice("join", of_veins(&P::join), kJoinRules, "Where a strand is attached that has come near another.");
   v.number("split_length_mm", of_veins(&P::split_length_mm), kVeinLength, "Longer edges are halved.");
   v.table("reticulation", of_veins(&P::reticulation), Layout::kInline, "Second ways to the ring.");
-  v.table("colonisation", of_veins(&P::colonisation), Layout::kInline, "Strands towards sources below the surface.");
+  v.table("colonisation", of_veins(&P::colonisation), Layout::kInline,
+          "Strands towards attraction points below the surface.");
   v.choice("diameter_rule", of_veins(&P::diameter_rule), kDiameterRules, "How diameters add up.");
   v.number("murray_exponent", of_veins(&P::murray_exponent), within(1.0, 100.0), "Exponent of Murray's law (n).");
   v.number("floret_tip_mm", kTip<0>, kVeinLength, "Diameter of tips of florets.");

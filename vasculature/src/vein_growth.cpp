@@ -81,7 +81,7 @@ Expected<Vasculature> VeinGrowth::run() {
     }
     reticulate();
     if (frame_ >= first_colonisation_) {
-      add_sources();
+      add_attraction_points();
       colonise();
     }
     if (network_.size() > kMostVertices) {
@@ -137,26 +137,27 @@ std::uint32_t VeinGrowth::next_event() const {
   }
   if (frame_ < first_colonisation_) {
     next = std::min(next, first_colonisation_);
-  } else if (!sources_.empty() || time_of(frame_ + 1) < params_.colonisation.window[1]) {
+  } else if (!attraction_points_.empty() || time_of(frame_ + 1) < params_.colonisation.window[1]) {
     next = frame_ + 1;
   }
   return next;
 }
 
-/// Where vertices and sources will be at the end of the stride: of all, or of those that are new.
+/// Where vertices and attraction points will be at the end of the stride: of all, or of those that are new.
 void VeinGrowth::plan_motion(bool all) {
   const std::size_t first = all ? 0 : motions_.size();
-  const std::size_t first_source = all ? 0 : planned_sources_;
+  const std::size_t first_point = all ? 0 : planned_points_;
   const std::size_t vertices = network_.size() - first;
   motions_.resize(network_.size());
-  planned_sources_ = sources_.size();
-  std::vector<Vec2> section(vertices + sources_.size() - first_source);
+  planned_points_ = attraction_points_.size();
+  std::vector<Vec2> section(vertices + attraction_points_.size() - first_point);
   std::vector<double> radius(section.size());
   const auto motion = [&](std::size_t i) -> Motion& {
-    return i < vertices ? motions_[first + i] : sources_[first_source + i - vertices].motion;
+    return i < vertices ? motions_[first + i] : attraction_points_[first_point + i - vertices].motion;
   };
   for (std::size_t i = 0; i < section.size(); ++i) {
-    const Vec3 p = i < vertices ? network_.position[first + i] : sources_[first_source + i - vertices].position;
+    const Vec3 p =
+        i < vertices ? network_.position[first + i] : attraction_points_[first_point + i - vertices].position;
     radius[i] = std::sqrt(p.x * p.x + p.y * p.y);
     section[i] = {radius[i], p.z};
     motion(i).from = p;
@@ -183,8 +184,8 @@ void VeinGrowth::go_to(std::uint32_t frame) {
     network_.position[v] = moved(motions_[v], frame);
     network_.age[v] += static_cast<int>(frame - frame_);
   }
-  for (Source& source : sources_) {
-    source.position = moved(source.motion, frame);
+  for (AttractionPoint& point : attraction_points_) {
+    point.position = moved(point.motion, frame);
   }
   frame_ = frame;
 }
@@ -217,8 +218,9 @@ Vasculature VeinGrowth::at(std::uint32_t frame) const {
   };
   Vasculature result;
   result.ring_vertices = ring_;
-  for (const Source& source : sources_) {
-    result.sources.push_back(frame > frame_ ? moved(source.motion, frame) : source.position);
+  result.most_attraction_points = most_attraction_points_;
+  for (const AttractionPoint& point : attraction_points_) {
+    result.attraction_points.push_back(frame > frame_ ? moved(point.motion, frame) : point.position);
   }
   result.vertices.resize(network.size());
   for (std::uint32_t v = 0; v < network.size(); ++v) {
@@ -779,7 +781,7 @@ void VeinGrowth::reticulate_by_neighbour(std::size_t p) {
 
 // ---- colonisation ---------------------------------------------------------------------------------------------------
 
-void VeinGrowth::add_sources() {
+void VeinGrowth::add_attraction_points() {
   const VeinColonisation& rules = params_.colonisation;
   const double time = time_of(frame_);
   if (time >= rules.window[1]) {
@@ -789,32 +791,33 @@ void VeinGrowth::add_sources() {
   Rng rng(options_.seed, frame_, RandomPurpose::kVeinSource);
   const Place place = place_on_outline(frame_, std::clamp(rules.s.at(time), 0.0, 1.0));
   VertexGrid grid;
-  std::vector<std::uint32_t> all(sources_.size());
-  std::vector<Vec3> positions(sources_.size());
+  std::vector<std::uint32_t> all(attraction_points_.size());
+  std::vector<Vec3> positions(attraction_points_.size());
   for (std::uint32_t i = 0; i < all.size(); ++i) {
     all[i] = i;
-    positions[i] = sources_[i].position;
+    positions[i] = attraction_points_[i].position;
   }
   grid.build(positions, {}, std::move(all), rules.spacing_mm);
-  std::vector<Source> accepted;
-  for (int rejected = 0; rejected < kMostRejections && std::cmp_less(accepted.size(), rules.sources_per_frame);) {
+  std::vector<AttractionPoint> accepted;
+  for (int rejected = 0; rejected < kMostRejections && std::cmp_less(accepted.size(), rules.points_per_frame);) {
     const math::SinCos azimuth = math::sin_cos(math::kTurnRad * rng.uniform());
     const Vec2 p = place.position + random_in(rng, rules.depth_mm) * place.inward;
-    const Vec3 source = {p.x * azimuth.cos, p.x * azimuth.sin, p.y};
-    bool free = true;  // of the sources of earlier frames
-    grid.within(source, rules.spacing_mm, [&](std::uint32_t, double) { free = false; });
+    const Vec3 point = {p.x * azimuth.cos, p.x * azimuth.sin, p.y};
+    bool free = true;  // of the attraction points of earlier frames
+    grid.within(point, rules.spacing_mm, [&](std::uint32_t, double) { free = false; });
     if (free) {
-      accepted.push_back({source, {}});
+      accepted.push_back({point, {}});
       rejected = 0;
     } else {
       ++rejected;
     }
   }
-  sources_.insert(sources_.end(), accepted.begin(), accepted.end());
+  attraction_points_.insert(attraction_points_.end(), accepted.begin(), accepted.end());
+  most_attraction_points_ = std::max(most_attraction_points_, attraction_points_.size());
 }
 
 void VeinGrowth::colonise() {
-  if (sources_.empty()) {
+  if (attraction_points_.empty()) {
     return;
   }
   const VeinColonisation& rules = params_.colonisation;
@@ -829,26 +832,27 @@ void VeinGrowth::colonise() {
   if (grid.empty()) {
     return;
   }
-  std::vector<std::uint32_t> nearest(sources_.size());
-  parallel_for(sources_.size(), [&](std::size_t i) { nearest[i] = grid.nearest(sources_[i].position); });
+  std::vector<std::uint32_t> nearest(attraction_points_.size());
+  parallel_for(attraction_points_.size(),
+               [&](std::size_t i) { nearest[i] = grid.nearest(attraction_points_[i].position); });
 
   struct Pull {
     std::uint32_t vertex;
-    std::uint32_t source;
+    std::uint32_t point;
   };
   std::vector<Pull> pulls;
-  std::vector<Source> left;
+  std::vector<AttractionPoint> left;
   std::size_t planned = 0;
-  for (std::uint32_t i = 0; i < sources_.size(); ++i) {
-    if (length(sources_[i].position - network_.position[nearest[i]]) <= rules.kill_distance_mm) {
+  for (std::uint32_t i = 0; i < attraction_points_.size(); ++i) {
+    if (length(attraction_points_[i].position - network_.position[nearest[i]]) <= rules.kill_distance_mm) {
       continue;
     }
     pulls.push_back({nearest[i], static_cast<std::uint32_t>(left.size())});
-    planned += i < planned_sources_;
-    left.push_back(Source(sources_[i]));
+    planned += i < planned_points_;
+    left.push_back(AttractionPoint(attraction_points_[i]));
   }
-  planned_sources_ = planned;
-  sources_ = std::move(left);
+  planned_points_ = planned;
+  attraction_points_ = std::move(left);
   std::stable_sort(pulls.begin(), pulls.end(), [](const Pull& a, const Pull& b) { return a.vertex < b.vertex; });
   const double time = time_of(frame_);
   const double step = rules.step_mm * (2.0 - time * time * (3.0 - 2.0 * time));
@@ -856,7 +860,7 @@ void VeinGrowth::colonise() {
     const std::uint32_t from = pulls[i].vertex;
     Vec3 sum;
     for (; i < pulls.size() && pulls[i].vertex == from; ++i) {
-      sum += normalized(sources_[pulls[i].source].position - network_.position[from]);
+      sum += normalized(attraction_points_[pulls[i].point].position - network_.position[from]);
     }
     if (sum == Vec3{}) {
       continue;

@@ -32,7 +32,7 @@ class VeinGrowth {
     Vec3 goal;
     std::uint32_t frame = 0;
   };
-  struct Source {
+  struct AttractionPoint {
     Vec3 position;
     Motion motion;
   };
@@ -54,7 +54,7 @@ class VeinGrowth {
   void reticulate_by_resistance(std::size_t p);
   void reticulate_by_neighbour(std::size_t p);
   void reticulate();
-  void add_sources();
+  void add_attraction_points();
   void colonise();
 
   void prepare_joinable();
@@ -85,7 +85,7 @@ class VeinGrowth {
   std::uint32_t last_;
   std::uint32_t frame_ = 0;
   std::uint32_t first_start_ = 0;         // first frame in which strands start
-  std::uint32_t first_colonisation_ = 0;  // first frame with sources
+  std::uint32_t first_colonisation_ = 0;  // first frame with attraction points
   std::vector<std::uint32_t> births_;     // primordia by frame of birth, in their given order within a frame
   std::size_t born_ = 0;
   std::vector<std::size_t> waiting_;        // born, not started, in order of birth
@@ -95,8 +95,9 @@ class VeinGrowth {
 
   VeinNetwork network_;
   std::uint32_t ring_ = 0;
-  std::vector<Source> sources_;
-  std::size_t planned_sources_ = 0;  // the first so many have a motion
+  std::vector<AttractionPoint> attraction_points_;
+  std::size_t most_attraction_points_ = 0;
+  std::size_t planned_points_ = 0;  // the first so many have a motion
 
   std::uint32_t stride_end_ = 0;
   std::vector<Motion> motions_;  // of vertices; those made since the last plan have none

@@ -98,7 +98,7 @@ std::optional<Error> check(const VeinParams& params) {
   checker.range("colonisation.window", colonisation.window, 0.0, 1.0);
   checker.course("colonisation.s", colonisation.s, 0.0, 1.0);
   checker.range("colonisation.depth_mm", colonisation.depth_mm, 0.0, kMost);
-  checker.whole("colonisation.sources_per_frame", colonisation.sources_per_frame, 0, 10'000);
+  checker.whole("colonisation.points_per_frame", colonisation.points_per_frame, 0, 10'000);
   checker.number("colonisation.spacing_mm", colonisation.spacing_mm, kSmall, kMost);
   checker.number("colonisation.kill_distance_mm", colonisation.kill_distance_mm, kSmall, kMost);
   checker.number("colonisation.step_mm", colonisation.step_mm, kSmall, kMost);

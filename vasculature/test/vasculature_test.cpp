@@ -40,7 +40,7 @@ bool same(const Vasculature& a, const Vasculature& b) {
            x.diameter == y.diameter && x.resistance == y.resistance && x.primordium == y.primordium;
   };
   return std::equal(a.vertices.begin(), a.vertices.end(), b.vertices.begin(), b.vertices.end(), equal) &&
-         a.primordia == b.primordia && a.sources == b.sources &&
+         a.primordia == b.primordia && a.attraction_points == b.attraction_points &&
          a.second_connections.size() == b.second_connections.size();
 }
 
@@ -218,16 +218,16 @@ TEST(GrowVeins, AdaxialStrandsGrowTowardsTheirSourcesAndUseThemUp) {
   VeinOptions options;
   options.frames = {205};
   std::size_t first = 0;
-  options.at_frame = [&](std::uint32_t, const Vasculature& veins) { first = veins.sources.size(); };
+  options.at_frame = [&](std::uint32_t, const Vasculature& veins) { first = veins.attraction_points.size(); };
   const Vasculature veins = grown(params, still_cylinder(1001), {on_top(0, 5, 0.9, 0.0)}, options);
   EXPECT_GT(first, 0u);
-  EXPECT_EQ(veins.sources.size(), 0u);
+  EXPECT_EQ(veins.attraction_points.size(), 0u);
   double highest = 0.0;
   for (const VeinVertex& v : veins.vertices) {
     if (v.kind == VeinKind::kAdaxial) {
       highest = std::max(highest, v.position.z);
       EXPECT_TRUE(std::isfinite(v.resistance));
-      EXPECT_LE(v.position.z, 0.75);  // not beyond the sources, at height 0.7
+      EXPECT_LE(v.position.z, 0.75);  // not beyond the attraction points, at height 0.7
     }
   }
   EXPECT_GT(highest, 0.6);

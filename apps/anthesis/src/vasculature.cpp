@@ -216,6 +216,7 @@ void describe(const Made& made, Report& report) {
   report.values["vertices"] = made.last().veins.vertices.size();
   report.values["ring_vertices_used"] = made.measures.bundles;
   report.values["second_connections"] = made.last().veins.second_connections.size();
+  report.values["attraction_points_max"] = made.last().veins.most_attraction_points;
   report.values["unconnected"] = unconnected;
   report.values["total_length_mm"] = made.measures.total_length;
   report.values["loops"] = made.measures.loops;

@@ -57,7 +57,8 @@ struct Vasculature {
   std::size_t ring_vertices = 0;
   std::vector<std::uint32_t> primordia;  ///< the surface vertex of each primordium; kNoVertex: not yet born
   std::vector<SecondConnection> second_connections;
-  std::vector<Vec3> sources;  ///< of colonisation, still unused
+  std::vector<Vec3> attraction_points;     ///< of colonisation, still unused
+  std::size_t most_attraction_points = 0;  ///< there have been at once
 };
 
 struct VeinOptions {

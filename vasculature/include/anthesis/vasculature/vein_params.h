@@ -73,13 +73,14 @@ struct VeinReticulation {
   double neighbourhood_mm = 0.7;  ///< kOldestNeighbour: no point farther than this is considered
 };
 
-/// Strands that grow towards sources below the surface, by space colonisation (Runions et al. 2007).
+/// Strands that grow towards attraction points below the surface, by space colonisation (Runions et al. 2007).
 struct VeinColonisation {
   bool enabled = false;
-  std::array<double, 2> window = {0.463, 0.95};   ///< times in [0, 1] between which sources appear; growth goes on
-  TimeCourse s;                                   ///< where on the outline: 0 apex, 1 rim
+  std::array<double, 2> window = {0.463,
+                                  0.95};  ///< times in [0, 1] between which attraction points appear; growth goes on
+  TimeCourse s;                           ///< where on the outline: 0 apex, 1 rim
   std::array<double, 2> depth_mm = {0.65, 0.66};  ///< below the surface
-  int sources_per_frame = 20;                     ///< at most
+  int points_per_frame = 20;                      ///< at most
   double spacing_mm = 0.015;                      ///< between a new source and those of earlier frames
   double kill_distance_mm = 0.13;                 ///< a source this near a strand is used up
   double step_mm = 0.0065;                        ///< at the end; twice that at time 0
