@@ -122,7 +122,10 @@ class Vasculature(ProgramTest):
             self.assertTrue(text.rstrip().endswith("</svg>"))
         self.assertIn("control point 3", texts[0])
         self.assertNotIn("control point 4", texts[0])
-        self.expect(BAD_DATA, "vasculature", "cap", "-o", "section.svg", "--control", "9999")
+        for control in ("9999", "-3", "a"):
+            result = self.run_program("vasculature", "cap", "-o", "section.svg", "--control", control)
+            self.assertEqual(result.status, USAGE)
+            self.assertIn("--control must be a whole number in [0, ", result.err)
 
     def test_vlab_can_go_on_with_it(self):
         report = json.loads(self.expect(DONE, "vasculature", "cap", "-o", "head.cntrs", "-o", "head_stable.prims", "-o",

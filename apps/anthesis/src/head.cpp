@@ -186,7 +186,9 @@ void HeadArguments::add_to(CLI::App& app) {
          "--with", with,
          "KEY=NUMBER: change a number of the species: mu_sec=0.5, ring_vertices=40, head.active_ring.last_ring=0.1")
       ->type_name("KEY=X")
-      ->take_all();
+      ->expected(1)
+      ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll)
+      ->allow_extra_args(false);
   app.add_option("--primordia", primordia,
                  "Primordia of a file (.prims) in place of those that grow on the head; also looked for in a FOLDER")
       ->type_name("FILE");

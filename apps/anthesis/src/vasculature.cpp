@@ -37,7 +37,7 @@ struct Arguments {
   std::vector<std::string> outputs;
   std::vector<std::string> vary;
   std::vector<std::string> weights;
-  std::vector<int> controls;
+  std::vector<std::string> controls;
   std::optional<double> at;
   std::optional<int> frames;
   std::optional<int> columns;
@@ -87,8 +87,11 @@ std::string glb(const Made& made) {
 }
 
 /// Control points whose fields are shown: some along the outline, apex and rim among them.
-std::vector<std::uint32_t> shown_controls(const Made& made) {
-  std::vector<std::uint32_t> shown(made.arguments.controls.begin(), made.arguments.controls.end());
+std::vector<std::uint32_t> shown_controls(const Made& made, std::size_t count) {
+  std::vector<std::uint32_t> shown;
+  for (const std::string& control : made.arguments.controls) {
+    shown.push_back(static_cast<std::uint32_t>(parse_whole("--control", control, 0, count - 1)));
+  }
   const std::size_t outline = made.head.contours.points_per_frame();
   for (std::size_t i = 0; made.arguments.controls.empty() && i < kShownFields; ++i) {
     shown.push_back(static_cast<std::uint32_t>(i * (outline - 1) / (kShownFields - 1)));
@@ -116,7 +119,8 @@ std::string svg(const Made& made, const Output& output) {
     const std::size_t to = std::max<std::size_t>(made.last().frame, 1);
     return value_of(section_displacement_svg(sections, to / 2, to, params));
   }
-  return value_of(section_weights_svg(sections.frame(made.last().frame), shown_controls(made), params));
+  return value_of(
+      section_weights_svg(sections.frame(made.last().frame), shown_controls(made, sections.points_per_frame), params));
 }
 
 std::string prims(const Made& made, const Output& output) {
@@ -318,7 +322,9 @@ Command add_vasculature(CLI::App& app) {
           "--vary", arguments->vary,
           "KEY=FROM:TO:STEP: a head for each value of a number of the species; a .csv table, a .png sheet; repeatable")
       ->type_name("KEY=A:B:C")
-      ->take_all();
+      ->expected(1)
+      ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll)
+      ->allow_extra_args(false);
   command
       ->add_option("--weights", arguments->weights, "Write all harmonic coordinates of all frames for VLab: head.raw")
       ->type_name("FILE");
@@ -326,8 +332,9 @@ Command add_vasculature(CLI::App& app) {
       ->add_option("--control", arguments->controls,
                    "Control points whose harmonic coordinates an .svg shows, 0 the apex; five if left out")
       ->type_name("N")
-      ->check(CLI::Range(0, 100000))
-      ->take_all();
+      ->expected(1)
+      ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll)
+      ->allow_extra_args(false);
   arguments->picture.add_to(*command);
   add_whole(*command, "--sides", arguments->sides, 3, 64, "Sides of the tubes of a .ply and a .glb");
   add_whole(*command, "--threads", arguments->threads, 0, 1024,
