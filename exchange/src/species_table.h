@@ -80,6 +80,7 @@ inline constexpr std::array kPlacementRules = {"centripetal", "divergent", "segr
                                                "ridley",      "collision", "active_ring"};
 inline constexpr std::array kVeinClocks = {"consistent", "published"};
 inline constexpr std::array kHeadInsides = {"harmonic", "mean_value"};
+inline constexpr std::array kAxisConditions = {"natural", "zero"};
 inline constexpr std::array kVeinKinds = {"floret", "abaxial", "adaxial"};
 inline constexpr std::array kSectorRules = {"squared_distance", "fourth_power"};
 inline constexpr std::array kJoinRules = {"there", "below", "forward"};
@@ -509,6 +510,8 @@ void describe(V& v, Table<HeadVeins>) {
            "Whose parameters all others begin with; and whether by the text of O24 or as its programs have them.");
   v.integer("frames", &T::frames, 2, 100000, "Steps of the development.");
   v.choice("inside", &T::inside, kHeadInsides, "What carries tissue inside the head from frame to frame.");
+  v.choice("axis", &T::axis, kAxisConditions,
+           "Harmonic: whether what lies beside the axis moves away from it freely, as in O24, or not at all.");
   v.number("max_edge", &T::max_edge, within(0.002, 1.0),
            "Harmonic: longest edge of the triangulated section, as a share of its size.");
   v.choice("clock", &T::clock, kVeinClocks,

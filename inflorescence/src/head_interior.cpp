@@ -160,6 +160,7 @@ Expected<ContourSequence> head_contours(const Species& species, HeadRules rules)
 Expected<InteriorGrowth> head_inside(const Species& species, const ContourSequence& contours) {
   InteriorGrowthParams params;
   params.mesh.max_edge = veins_of(species).max_edge;
+  params.axis = veins_of(species).axis;
   return InteriorGrowth::make(head_sections(contours), params);
 }
 

@@ -152,6 +152,23 @@ TEST(HeadInterior, BothWaysToMoveTheInsideGiveMuchTheSameVeins) {
   EXPECT_NEAR(count(harmonic), count(mean_value), 0.1 * count(harmonic));
 }
 
+TEST(HeadInterior, TheConditionOnTheAxisIsTheSpecies) {
+  Species species = cap();
+  const auto contours = head_contours(species);
+  const auto beside_the_axis = [&] {  // where tissue goes that starts near the axis
+    InteriorGrowth inside = *head_inside(species, *contours);
+    std::vector<Vec2> points = {{0.01, 0.2}};
+    for (std::size_t f = 0; f + 1 < inside.frames(); ++f) {
+      EXPECT_FALSE(inside.advance(f).has_value());
+      inside.carry(points);
+    }
+    return points[0].x;
+  };
+  const double natural = beside_the_axis();
+  species.vasculature->axis = AxisCondition::kZero;
+  EXPECT_GT(natural, 5.0 * beside_the_axis());
+}
+
 TEST(HeadInterior, IsTheSameForAnyNumberOfThreads) {
   const Species species = cap();
   const auto positions = [&](int threads) {

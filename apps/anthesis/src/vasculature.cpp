@@ -105,6 +105,7 @@ std::string svg(const Made& made, const Output& output) {
   params.caption = fmt::format("Anthesis {}, {}, time {}", kVersion, made.species.name, to_text(made.last().time));
   params.unit_mm = 1.0;
   params.interior.mesh.max_edge = made.species.vasculature->max_edge;
+  params.interior.axis = made.species.vasculature->axis;
   const SectionSequence sections = head_sections(made.head.contours);
   if (is_about(output, "growth")) {
     std::vector<std::size_t> frames;

@@ -7,6 +7,7 @@
 #include "anthesis/corolla/organ_shape.h"
 #include "anthesis/corolla/pigment.h"
 #include "anthesis/geometry/vec.h"
+#include "anthesis/receptacle/harmonic_section.h"
 #include "anthesis/vasculature/vein_params.h"
 
 namespace anthesis {
@@ -190,6 +191,7 @@ struct HeadVeins {
   VeinParams params;
   int frames = 2214;  ///< of the whole development
   HeadInside inside = HeadInside::kHarmonic;
+  AxisCondition axis = AxisCondition::kNatural;  ///< kHarmonic: of the displacement away from the axis
   double max_edge = 0.0625;  ///< kHarmonic: longest edge of the triangulated section, as a share of its size
   VeinClock clock = VeinClock::kConsistent;
   FunctionPoints pace = {{0.0, 1.0}, {1.0, 1.0}};  ///< kPublished: of the outlines, against their time
