@@ -1,6 +1,7 @@
 #include "section_laplacian.h"
 
 #include <algorithm>
+#include <numeric>
 
 #include "anthesis/base/assert.h"
 #include "anthesis/base/parallel.h"
@@ -14,6 +15,9 @@ constexpr double kFlipBelow = -1e-9;
 
 /// With each flip the mesh comes nearer to Delaunay, so that this many for an edge are never met.
 constexpr std::size_t kMostFlips = 1000;
+
+/// The order of elimination is given up when L has become so much larger than it was when the order was found.
+constexpr double kMostGrowth = 1.25;
 
 std::size_t corner_opposite(const MeshEdges& edges, std::uint32_t triangle, std::uint32_t e) {
   const auto& of = edges.of_triangle[triangle];
@@ -78,61 +82,123 @@ void MeshEdges::flip(std::uint32_t e, std::vector<Triangle>& triangles) {
   edge.b = std::max(c, d);
 }
 
-void LaplaceFactor::collect(const MeshEdges& edges) {
+void LaplaceFactor::assign(const MeshEdges& edges, std::size_t points, std::size_t first_free) {
+  first_free_ = first_free;
+  size_ = points - first_free;
+  order(edges);
+}
+
+/// Approximate minimum degree, of the points as they are numbered.
+void LaplaceFactor::order(const MeshEdges& edges) {
+  place_.resize(size_);
+  std::iota(place_.begin(), place_.end(), 0);
+  arrange(edges);
+  Eigen::PermutationMatrix<Eigen::Dynamic, Eigen::Dynamic, int> sequence;
+  Eigen::AMDOrdering<int>()(matrix_.selfadjointView<Eigen::Upper>(), sequence);
+  for (std::size_t i = 0; i < size_; ++i) {
+    place_[static_cast<std::size_t>(sequence.indices()[static_cast<Eigen::Index>(i)])] = static_cast<int>(i);
+  }
+  arrange(edges);
+  ordered_entries_ = 0;
+}
+
+void LaplaceFactor::arrange(const MeshEdges& edges) {
   inner_.clear();
   beside_.clear();
-  pairs_.clear();
+  std::vector<Eigen::Triplet<double, int>> entries;
+  for (std::size_t i = 0; i < size_; ++i) {
+    entries.emplace_back(place_[i], place_[i], -1.0);
+  }
   for (std::uint32_t e = 0; e < edges.edges.size(); ++e) {
     const MeshEdge& edge = edges.edges[e];  // a < b
     if (edge.a >= first_free_) {
+      const auto [row, column] = std::minmax(place_[edge.a - first_free_], place_[edge.b - first_free_]);
+      entries.emplace_back(row, column, static_cast<double>(inner_.size()));
       inner_.push_back(e);
-      pairs_.push_back(
-          {static_cast<std::uint32_t>(edge.a - first_free_), static_cast<std::uint32_t>(edge.b - first_free_)});
     } else if (edge.b >= first_free_) {
       beside_.push_back(e);
     }
   }
+  matrix_.resize(static_cast<Eigen::Index>(size_), static_cast<Eigen::Index>(size_));
+  matrix_.setFromTriplets(entries.begin(), entries.end());
+  // For now the numbers tell which edge stands where.
+  slots_.resize(inner_.size());
+  for (int slot = 0; slot < matrix_.nonZeros(); ++slot) {
+    if (const double edge = matrix_.valuePtr()[slot]; edge >= 0.0) {
+      slots_[static_cast<std::size_t>(edge)] = slot;
+    }
+  }
+  is_analysed_ = false;
 }
 
-void LaplaceFactor::assign(const MeshEdges& edges, std::size_t points, std::size_t first_free) {
-  first_free_ = first_free;
-  size_ = points - first_free;
-  collect(edges);
-  factor_.order(size_, pairs_);
-}
-
-void LaplaceFactor::edges_flipped(const MeshEdges& edges) {
-  collect(edges);
-  factor_.analyse(pairs_);
+void LaplaceFactor::fill(const MeshEdges& edges, std::span<const double> weights) {
+  std::vector<double> diagonal(size_, 0.0);
+  double* values = matrix_.valuePtr();
+  for (std::size_t k = 0; k < inner_.size(); ++k) {
+    const MeshEdge& edge = edges.edges[inner_[k]];
+    const double weight = weights[inner_[k]];
+    values[slots_[k]] = -weight;
+    diagonal[edge.a - first_free_] += weight;
+    diagonal[edge.b - first_free_] += weight;
+  }
+  for (const std::uint32_t e : beside_) {
+    diagonal[edges.edges[e].b - first_free_] += weights[e];
+  }
+  for (std::size_t i = 0; i < size_; ++i) {
+    values[matrix_.outerIndexPtr()[place_[i] + 1] - 1] = diagonal[i];  // the last of its column
+  }
 }
 
 void LaplaceFactor::factorise(const MeshEdges& edges, std::span<const double> weights) {
-  diagonal_.assign(size_, 0.0);
-  below_.resize(inner_.size());
-  for (std::size_t k = 0; k < inner_.size(); ++k) {
-    const double weight = weights[inner_[k]];
-    below_[k] = -weight;
-    diagonal_[pairs_[k][0]] += weight;
-    diagonal_[pairs_[k][1]] += weight;
+  if (size_ == 0) {
+    return;
   }
-  for (const std::uint32_t e : beside_) {
-    diagonal_[edges.edges[e].b - first_free_] += weights[e];
+  for (;;) {
+    fill(edges, weights);
+    if (factor_.use_count() != 1) {
+      factor_ = std::make_shared<Factor>();
+      is_analysed_ = false;
+    }
+    if (!is_analysed_) {
+      factor_->analyzePattern(matrix_);
+      is_analysed_ = true;
+    }
+    factor_->factorize(matrix_);
+    ANTHESIS_ASSERT(factor_->info() == Eigen::Success);
+    if (ordered_entries_ == 0) {
+      ordered_entries_ = entries();
+    }
+    if (static_cast<double>(entries()) <= kMostGrowth * static_cast<double>(ordered_entries_)) {
+      return;
+    }
+    order(edges);
   }
-  factor_.factorise(diagonal_, below_);
 }
 
 template <std::size_t kWidth>
 void LaplaceFactor::extend(const MeshEdges& edges, std::span<const double> weights, std::span<double> values) const {
-  std::fill(values.begin() + static_cast<std::ptrdiff_t>(first_free_ * kWidth), values.end(), 0.0);
+  if (size_ == 0) {
+    return;
+  }
+  using Block = Eigen::Matrix<double, Eigen::Dynamic, static_cast<int>(kWidth)>;
+  Block block = Block::Zero(static_cast<Eigen::Index>(size_), kWidth);
   for (const std::uint32_t e : beside_) {
     const MeshEdge& edge = edges.edges[e];
     for (std::size_t k = 0; k < kWidth; ++k) {
-      values[edge.b * kWidth + k] += weights[e] * values[edge.a * kWidth + k];
+      block(place_[edge.b - first_free_], k) += weights[e] * values[edge.a * kWidth + k];
     }
   }
-  std::vector<double> scratch(size_ * kWidth);
-  factor_.solve<kWidth>(values.subspan(first_free_ * kWidth), scratch);
+  const Block solution = factor_->solve(block);
+  for (std::size_t i = 0; i < size_; ++i) {
+    for (std::size_t k = 0; k < kWidth; ++k) {
+      values[(first_free_ + i) * kWidth + k] = solution(place_[i], k);
+    }
+  }
 }
+
+template void LaplaceFactor::extend<1>(const MeshEdges&, std::span<const double>, std::span<double>) const;
+template void LaplaceFactor::extend<2>(const MeshEdges&, std::span<const double>, std::span<double>) const;
+template void LaplaceFactor::extend<8>(const MeshEdges&, std::span<const double>, std::span<double>) const;
 
 void SectionLaplacian::reset(const SectionMesh& mesh) {
   edges_.assign(mesh.triangles);
@@ -226,7 +292,7 @@ void SectionLaplacian::refresh(SectionMesh& mesh, bool with_zero_axis) {
       factor.assign(edges_, mesh.points.size(), first_free);
       is_there = true;
     } else if (is_flipped) {
-      factor.edges_flipped(edges_);
+      factor.arrange(edges_);
     }
     factor.factorise(edges_, weights_);
   };

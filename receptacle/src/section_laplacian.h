@@ -1,12 +1,13 @@
 #pragma once
+#include <Eigen/SparseCholesky>
 #include <array>
 #include <cstdint>
 #include <limits>
+#include <memory>
 #include <span>
 #include <vector>
 
 #include "anthesis/receptacle/harmonic_section.h"
-#include "sparse_factor.h"
 
 namespace anthesis {
 
@@ -39,29 +40,44 @@ struct MeshEdges {
   std::vector<Side> sides_;
 };
 
-/// The cotangent Laplacian of the points of a mesh that are not given, factorised.
+/// The cotangent Laplacian of the points of a mesh that are not given, factorised: L D L^T. Copies share the factor;
+/// whoever factorises next makes their own.
 class LaplaceFactor {
  public:
-  /// A new mesh. Points below `first_free` are given.
+  /// A new mesh, and a new order of elimination. Points below `first_free` are given.
   void assign(const MeshEdges& edges, std::size_t points, std::size_t first_free);
-  void edges_flipped(const MeshEdges& edges);
+
+  /// Takes the edges after flips, in the order of elimination that there is.
+  void arrange(const MeshEdges& edges);
+
+  /// Finds a new order if the factor has become a quarter larger than it was when the order was found.
   void factorise(const MeshEdges& edges, std::span<const double> weights);
 
-  /// values[i * kWidth + k] for each point of the mesh: those given are read, those free written.
+  Eigen::Index entries() const { return factor_->matrixL().nestedExpression().nonZeros(); }  ///< of L, below its ones
+
+  /// values[i * kWidth + k] for each point of the mesh: those given are read, those free written. A column's bits do
+  /// not depend on kWidth.
   template <std::size_t kWidth>
   void extend(const MeshEdges& edges, std::span<const double> weights, std::span<double> values) const;
 
  private:
-  void collect(const MeshEdges& edges);
+  /// The upper triangle is what the factorisation reads: the lower one it would copy each time. The matrix is already
+  /// in order, so that it has none to find.
+  using Factor = Eigen::SimplicialLDLT<Eigen::SparseMatrix<double>, Eigen::Upper, Eigen::NaturalOrdering<int>>;
+
+  void order(const MeshEdges& edges);
+  void fill(const MeshEdges& edges, std::span<const double> weights);
 
   std::size_t first_free_ = 0;
   std::size_t size_ = 0;
   std::vector<std::uint32_t> inner_;   ///< edges between two free points
   std::vector<std::uint32_t> beside_;  ///< edges between a given point and a free one
-  std::vector<UnknownPair> pairs_;     ///< of the inner ones
-  std::vector<double> diagonal_;
-  std::vector<double> below_;
-  SparseFactor factor_;
+  std::vector<int> place_;             ///< in the order of elimination, of each free point
+  std::vector<int> slots_;             ///< of each inner edge, among the numbers of the matrix
+  Eigen::SparseMatrix<double> matrix_;
+  std::shared_ptr<Factor> factor_;
+  bool is_analysed_ = false;
+  Eigen::Index ordered_entries_ = 0;  ///< of L when the order was found, 0 before
 };
 
 /// A mesh with its Laplacian. Moving the points and calling `refresh` is much cheaper than a new one.
