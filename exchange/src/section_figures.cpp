@@ -21,6 +21,7 @@ using detail::px;
 using detail::text_at;
 
 constexpr std::size_t kMostPanels = 60;
+constexpr double kMostRows = 200.0;  // of a grid
 constexpr double kMargin = 28.0;
 constexpr double kTop = 52.0;
 constexpr double kFoot = 34.0;
@@ -526,7 +527,7 @@ Expected<std::string> section_growth_svg(const SectionSequence& sections, std::s
   constexpr std::size_t kPieces = 6;
   const std::span<const Vec2> first = sections.frame(frames.front());
   const Extent start = extent_of(first);
-  const double step = start.width / static_cast<double>(across);
+  const double step = std::max(start.width / static_cast<double>(across), (start.high - start.low) / kMostRows);
   std::vector<Vec2> points;
   std::vector<bool> is_dark;
   const auto rows = static_cast<std::size_t>((start.high - start.low) / step) + 1;

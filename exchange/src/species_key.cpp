@@ -213,7 +213,10 @@ class NumberSetter {
 }  // namespace
 
 std::string whole_key(std::string_view key) {
-  if (key.find('.') != std::string_view::npos) {
+  constexpr std::array<std::string_view, 5> kTables = {"head", "peduncle", "organs", "pigments", "vasculature"};
+  const std::size_t first_end = key.find_first_of(".[");
+  if (first_end != std::string_view::npos &&
+      std::find(kTables.begin(), kTables.end(), key.substr(0, first_end)) != kTables.end()) {
     return std::string(key);
   }
   const auto symbol = std::find_if(kSymbols.begin(), kSymbols.end(), [&](const auto& s) { return s.first == key; });

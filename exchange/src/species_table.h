@@ -512,7 +512,7 @@ void describe(V& v, Table<HeadVeins>) {
   v.choice("inside", &T::inside, kHeadInsides, "What carries tissue inside the head from frame to frame.");
   v.choice("axis", &T::axis, kAxisConditions,
            "Harmonic: whether what lies beside the axis moves away from it freely, as in O24, or not at all.");
-  v.number("max_edge", &T::max_edge, within(0.002, 1.0),
+  v.number("max_edge", &T::max_edge, within(0.01, 1.0),
            "Harmonic: longest edge of the triangulated section, as a share of its size.");
   v.choice("clock", &T::clock, kVeinClocks,
            "Which outline a frame sees: that of its own time, or one that follows a pace, as in O24's programs.");

@@ -1,6 +1,7 @@
 #include "anthesis/exchange/vlab_digitised_head.h"
 
 #include <algorithm>
+#include <cmath>
 #include <utility>
 
 #include "anthesis/exchange/vlab_head.h"
@@ -16,6 +17,9 @@ std::vector<Vec2> half_section(const VlabContour& contour) {
   for (const Vec3 control : vlab_spline(contour).controls) {
     controls.push_back({control.x, control.y});
     widest = std::max(widest, control.x);
+  }
+  if (std::abs(controls.front().x) <= kOvershoot * widest) {
+    controls.front().x = 0.0;  // the apex
   }
   for (Vec2& control : controls) {
     if (control.x < 0.0 && control.x >= -kOvershoot * widest) {

@@ -44,14 +44,14 @@ double widest(std::span<const Vec2> controls, int degree) {
   return radius;
 }
 
-/// The drawn ends of an open uniform curve: its first and last point.
+/// By its drawn ends.
 bool drawn_from_base(const VlabContour& contour) {
   const BSplineCurve<Vec3> spline = vlab_spline(contour);
   return spline.controls.back().x < spline.controls.front().x;
 }
 
 // ---- the parts of a species that VLab's files say nothing about
-// -------------------------------------------------------
+// ------------------------------------------------------
 
 /// A bead of radius 1 mm that stands on the receptacle, scaled to the disc of its organ's area.
 OrganKind bead(const std::string& name, const std::string& pigment) {

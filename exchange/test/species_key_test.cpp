@@ -35,6 +35,8 @@ TEST(SpeciesKey, SetsNumbersWhereverTheyStand) {
 TEST(SpeciesKey, KnowsTheSymbolsOfThePaper) {
   Species species = head();
   EXPECT_EQ(whole_key("mu_sec"), "vasculature.sector_weight");
+  EXPECT_EQ(whole_key("floret.depth_mm"), "vasculature.floret.depth_mm");
+  EXPECT_EQ(whole_key("organs.floret.sink_mm"), "organs.floret.sink_mm");
   EXPECT_EQ(message(set_number(species, "mu_sec", 0.75)), "no error");
   EXPECT_EQ(species.vasculature->params.sector_weight, 0.75);
   EXPECT_EQ(message(set_number(species, "kappa", 1.5)), "no error");

@@ -39,6 +39,8 @@ TEST(VlabDigitisedHead, PutsWhatOvershootsTheAxisOnIt) {
   const Expected<DigitisedHead> head = vlab_digitised_head(contours, {});
   ASSERT_TRUE(head.has_value()) << to_string(head.error());
   EXPECT_EQ(head->sections[0].profile.controls[0].x, 0.0);
+  contours[0].points[0].position.x = 0.005;
+  EXPECT_EQ(vlab_digitised_head(contours, {})->sections[0].profile.controls[0].x, 0.0);
   contours[0].points[0].position.x = -0.05;
   EXPECT_FALSE(vlab_digitised_head(contours, {}).has_value());
 }

@@ -100,13 +100,17 @@ ActiveRingParams active_ring_params(const ActiveRing& ring) {
   return params;
 }
 
-Expected<std::vector<RingPrimordium>> head_ring(const Species& species, HeadRules rules) {
+Expected<std::vector<RingPrimordium>> head_ring(const Species& species, HeadRules rules, const Progress& progress) {
   const GrowingReceptacle head(digitised_head(ring_of(species)), lookup_of(rules));
   const ActiveRingParams params = active_ring_params(ring_of(species));
-  auto grown =
-      rules == HeadRules::kAsPublished ? grow_active_ring_as_published(head, params) : grow_active_ring(head, params);
+  auto grown = rules == HeadRules::kAsPublished ? grow_active_ring_as_published(head, params, progress)
+                                                : grow_active_ring(head, params, progress);
   if (!grown) {
     Error error = grown.error();
+    if (error.code == ErrorCode::kCancelled) {
+      return unexpected(std::move(error));
+    }
+    error.where = error.where == "threshold" ? "threshold_mm" : error.where;  // what it is called there
     error.where = "head.active_ring" + (error.where.empty() ? error.where : "." + error.where);
     return unexpected(std::move(error));
   }
@@ -170,9 +174,13 @@ SectionSequence head_sections(const ContourSequence& contours) {
 
 Expected<Vasculature> head_veins(const Species& species, const ContourSequence& contours,
                                  std::span<const VeinPrimordium> primordia, VeinOptions options) {
-  return veins_of(species).inside == HeadInside::kHarmonic
-             ? within_harmonic(species, contours, primordia, std::move(options))
-             : within_mean_value(species, contours, primordia, std::move(options));
+  auto veins = veins_of(species).inside == HeadInside::kHarmonic
+                   ? within_harmonic(species, contours, primordia, std::move(options))
+                   : within_mean_value(species, contours, primordia, std::move(options));
+  if (!veins && veins.error().where == "ring_inset_mm") {
+    veins.error().where.insert(0, "vasculature.");
+  }
+  return veins;
 }
 
 }  // namespace anthesis

@@ -154,14 +154,18 @@ std::vector<double> mature_areas(const RingPattern& pattern) {
   return areas;
 }
 
-Expected<RingPattern> follow_ring(const Head& head, std::size_t limit) {
+Expected<RingPattern> follow_ring(const Head& head, std::size_t limit, const Progress& progress) {
   ANTHESIS_ASSERT(head.active_ring.has_value());
   ActiveRingParams params = active_ring_params(*head.active_ring);
   params.most_primordia = std::min(params.most_primordia, limit);
   RingPattern pattern{GrowingReceptacle(digitised_head(*head.active_ring)), {}, {}, {}};
-  auto grown = grow_active_ring(pattern.head, params);
+  auto grown = grow_active_ring(pattern.head, params, progress);
   if (!grown) {
     Error error = grown.error();
+    if (error.code == ErrorCode::kCancelled) {
+      return unexpected(std::move(error));
+    }
+    error.where = error.where == "threshold" ? "threshold_mm" : error.where;  // what it is called there
     error.where = "active_ring" + (error.where.empty() ? error.where : "." + error.where);
     return unexpected(std::move(error));
   }
@@ -205,7 +209,7 @@ Expected<HeadPattern> HeadPattern::make(const Head& head, std::size_t limit, con
     return HeadPattern(std::move(*pattern));
   }
   if (head.rule == PlacementRule::kActiveRing) {
-    auto pattern = follow_ring(head, limit);
+    auto pattern = follow_ring(head, limit, progress);
     if (!pattern) {
       return unexpected(pattern.error());
     }

@@ -81,6 +81,14 @@ std::optional<Error> check_ring(const std::string& path, const Head& head, const
           return error;
       }
     }
+    const Vec2 apex = ring.sections[i].points.front();
+    if (apex.x != 0.0) {
+      return invalid_parameter(points + "[0][0]", "must be 0: a section begins on the axis", apex.x);
+    }
+    if (!(apex.y > ring.sections[i].points.back().y)) {
+      return invalid_parameter(points + "[0][1]",
+                               "must be above the base, at " + to_text(ring.sections[i].points.back().y), apex.y);
+    }
   }
   if (auto error = check_function_values(where + ".threshold_mm", ring.threshold_mm, 1e-6, 1e4))
     return error;
@@ -327,10 +335,13 @@ std::optional<Error> check_veins(const Species& species) {
   }
   if (auto error = check_whole("vasculature.frames", veins.frames, 2, 100'000))
     return error;
-  if (auto error = check_number("vasculature.max_edge", veins.max_edge, 0.002, 1.0))
+  if (auto error = check_number("vasculature.max_edge", veins.max_edge, 0.01, 1.0))
     return error;
   if (auto error = check_function_values("vasculature.pace", veins.pace, 1e-6, 1e3))
     return error;
+  if (veins.clock == VeinClock::kPublished && veins.pace == HeadVeins{}.pace) {
+    return invalid_parameter("vasculature.pace", "must be given with clock = \"published\"", "none");
+  }
   std::optional<Error> error = check(veins.params);
   if (error) {
     constexpr std::pair<const char*, const char*> kNames[] = {{"initials[0]", "bract"},

@@ -72,7 +72,8 @@ struct Gap {
 
 class ContinuousRing {
  public:
-  ContinuousRing(const GrowingProfile& profile, const ActiveRingParams& params) : profile_(profile), params_(params) {}
+  ContinuousRing(const GrowingProfile& profile, const ActiveRingParams& params, const Progress& progress)
+      : profile_(profile), params_(params), progress_(progress) {}
 
   Expected<std::vector<RingPrimordium>> run() {
     double time = 0.0;
@@ -129,6 +130,9 @@ class ContinuousRing {
     Ring& ring = rings_[next_ring_++ % rings_.size()];
     ring = {time, profile_.ring(time), 0.0, profile_.length(time), threshold(time)};
     ring.radius = profile_.radius(time, ring.s);
+    if (math::kTurnRad * ring.radius > kMostAroundRing * ring.threshold && !error_) {
+      error_ = invalid_parameter("threshold", "must let at most 2000 primordia stand round the ring", ring.threshold);
+    }
     return ring;
   }
 
@@ -363,6 +367,9 @@ class ContinuousRing {
         return;
       }
       low = insert_first(low, to);
+      if (!error_ && !report(progress_, "primordia", low)) {
+        error_ = Error{ErrorCode::kCancelled, "", "cancelled"};
+      }
     }
   }
 
@@ -480,6 +487,7 @@ class ContinuousRing {
 
   const GrowingProfile& profile_;
   const ActiveRingParams& params_;
+  const Progress& progress_;
   std::vector<Primordium> primordia_;
   std::vector<RingPrimordium> record_;
   std::vector<std::uint32_t> unsettled_;
@@ -539,11 +547,12 @@ HeadOrganKind kind_of(const GrowingProfile& profile, const ActiveRingParams& par
   return HeadOrganKind::kDisc;
 }
 
-Expected<std::vector<RingPrimordium>> grow_active_ring(const GrowingProfile& profile, const ActiveRingParams& params) {
+Expected<std::vector<RingPrimordium>> grow_active_ring(const GrowingProfile& profile, const ActiveRingParams& params,
+                                                       const Progress& progress) {
   if (auto error = check(params, profile)) {
     return unexpected(*error);
   }
-  return ContinuousRing(profile, params).run();
+  return ContinuousRing(profile, params, progress).run();
 }
 
 }  // namespace anthesis

@@ -34,7 +34,8 @@ struct Candidate {
 
 class PublishedRing {
  public:
-  PublishedRing(const GrowingProfile& profile, const ActiveRingParams& params) : profile_(profile), params_(params) {
+  PublishedRing(const GrowingProfile& profile, const ActiveRingParams& params, const Progress& progress)
+      : profile_(profile), params_(params), progress_(progress) {
     const double end = params.first_azimuth_rad + math::kTurnRad;
     for (double angle = params.first_azimuth_rad; angle < end;
          angle += params.angular_step_rad) {  // added up there too
@@ -50,6 +51,9 @@ class PublishedRing {
       return unexpected(*error);
     }
     for (;;) {
+      if (!report(progress_, "primordia", time_)) {
+        return unexpected(Error{ErrorCode::kCancelled, "", "cancelled"});
+      }
       advance_clock();
       for (std::size_t k = 0; k < unsettled_.size(); ++k) {
         move(unsettled_[k]);
@@ -84,6 +88,9 @@ class PublishedRing {
     threshold_ = params_.threshold(time_);
     if (!(threshold_ > 0.0)) {
       return invalid_parameter("threshold", "must be > 0", threshold_);
+    }
+    if (math::kTurnRad * ring_radius_ > kMostAroundRing * threshold_) {
+      return invalid_parameter("threshold", "must let at most 2000 primordia stand round the ring", threshold_);
     }
     return std::nullopt;
   }
@@ -288,6 +295,7 @@ class PublishedRing {
 
   const GrowingProfile& profile_;
   const ActiveRingParams& params_;
+  const Progress& progress_;
   std::vector<double> scan_;  ///< the angles of a scan
   std::uint32_t step_ = 0;
   double step_size_ = 0.0;
@@ -319,11 +327,12 @@ std::vector<double> published_clock(const GrowingProfile& profile, double step) 
 }
 
 Expected<std::vector<RingPrimordium>> grow_active_ring_as_published(const GrowingProfile& profile,
-                                                                    const ActiveRingParams& params) {
+                                                                    const ActiveRingParams& params,
+                                                                    const Progress& progress) {
   if (auto error = check(params, profile)) {
     return unexpected(*error);
   }
-  return PublishedRing(profile, params).run();
+  return PublishedRing(profile, params, progress).run();
 }
 
 }  // namespace anthesis

@@ -233,5 +233,24 @@ TEST(ActiveRing, SaysWhatIsWrong) {
   }
 }
 
+TEST(ActiveRing, RefusesThresholdsFarSmallerThanItsRing) {
+  ActiveRingParams params = dome_params();
+  params.threshold = [](double) { return 1e-6; };
+  for (auto* grow : {grow_active_ring, grow_active_ring_as_published}) {
+    const auto grown = grow(GrowingDome(), params, {});
+    ASSERT_FALSE(grown.has_value());
+    EXPECT_EQ(grown.error().where, "threshold");
+  }
+}
+
+TEST(ActiveRing, StopsWhenItIsAskedTo) {
+  const ActiveRingParams params = dome_params();
+  for (auto* grow : {grow_active_ring, grow_active_ring_as_published}) {
+    const auto grown = grow(GrowingDome(), params, [](std::string_view, double) { return false; });
+    ASSERT_FALSE(grown.has_value());
+    EXPECT_EQ(grown.error().code, ErrorCode::kCancelled);
+  }
+}
+
 }  // namespace
 }  // namespace anthesis

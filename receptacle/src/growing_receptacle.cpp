@@ -138,7 +138,7 @@ struct GrowingReceptacle::Tables {
     for (int j = 0; j < q.count; ++j) {
       sum += q.weight[j] * control(weights, static_cast<std::size_t>(q.first + j));
     }
-    return sum;
+    return std::min(sum, 1.0);  // the weights may add up to a little more than 1
   }
   /// Without landmarks there are two controls only, and the tissue stretches evenly.
   int degree_in_material() const { return landmarks > 0 ? kDegree : 1; }

@@ -18,6 +18,7 @@ namespace {
 
 constexpr std::uint32_t kMostVertices = 5'000'000;
 constexpr int kMostSteps = 500;
+constexpr double kFarthest = 1e6;  // mm: a tip that is farther off has lost its way
 constexpr int kMostClimbs = 10;
 
 Vec3 random_direction(Rng& rng) {
@@ -527,7 +528,11 @@ std::uint32_t VeinGrowth::merge_partner(Vec3 p, const std::vector<char>* exclude
 VeinGrowth::Path VeinGrowth::find_path(Vec3 p, Vec3 momentum, const VeinJitter& jitter, Rng& rng,
                                        const std::vector<char>* excluded) {
   constexpr double kSlowing = 0.1;
+  constexpr double kLargest = 50.0;  // a momentum beyond 90 would grow faster than it is slowed
   Path path;
+  if (const double size = length(momentum); size > kLargest) {
+    momentum = (kLargest / size) * momentum;
+  }
   std::uint32_t target = choose(p, excluded);
   if (target == kNoVertex) {
     return path;
@@ -568,9 +573,13 @@ VeinGrowth::Path VeinGrowth::find_path(Vec3 p, Vec3 momentum, const VeinJitter& 
     momentum = length(momentum) * step;
     step = deviated(step, jitter, rng);
     p += params_.step_mm * step;
+    if (!(dot(p, p) <= kFarthest * kFarthest)) {
+      path.points.clear();
+      break;
+    }
     path.points.push_back(p);
   }
-  path.found = target;  // never seen to happen: a strand that lost its way goes straight to its target
+  path.found = target;  // a strand that lost its way goes straight to its target
   return path;
 }
 
@@ -737,7 +746,8 @@ void VeinGrowth::reticulate_by_neighbour(std::size_t p) {
   }
   const double distance = length(network_.position[end] - network_.position[point]);
   const double resistance = distance * (ground() + network_.resistivity[end]) + network_.resistance[end];
-  if (distance > rules.reach_mm || resistance - network_.resistance[point] > rules.difference_limit) {
+  if (!std::isfinite(network_.resistance[point]) || distance > rules.reach_mm ||
+      resistance - network_.resistance[point] > rules.difference_limit) {
     return;
   }
 
@@ -926,6 +936,11 @@ Expected<Vasculature> grow_veins(const VeinParams& params, const HeadGrowth& gro
   const std::span<const Vec2> outline = growth.outline(0);
   if (outline.size() < 2 || outline.front() == outline.back()) {
     return unexpected(invalid_parameter("growth.outline", "must have some length", "none"));
+  }
+  if (const double radius = params.ring_radius * outline.back().x;
+      params.ring_vertices > 1 && params.ring_inset_mm > 0.0 && !(params.ring_inset_mm < radius)) {
+    return unexpected(invalid_parameter("ring_inset_mm", "must be less than the ring's radius of " + to_text(radius),
+                                        params.ring_inset_mm));
   }
   return veins::VeinGrowth(params, growth, primordia, options).run();
 }

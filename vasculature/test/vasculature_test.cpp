@@ -186,6 +186,26 @@ TEST(GrowVeins, SecondConnectionsNeedALimitThatAllowsThem) {
   }
 }
 
+TEST(GrowVeins, TheRingNeedsARadius) {
+  VeinParams params = plain_veins();
+  params.ring_vertices = 8;
+  params.ring_inset_mm = 0.6;  // the ring's radius is 0.5
+  const auto veins = grow_veins(params, still_cylinder(10), std::vector{on_top(0, 1, 0.6, 0.0)});
+  ASSERT_FALSE(veins.has_value());
+  EXPECT_EQ(to_string(veins.error()), "ring_inset_mm must be less than the ring's radius of 0.5, got 0.6");
+}
+
+TEST(GrowVeins, NoMomentumCarriesAStrandAway) {
+  VeinParams params = plain_veins();
+  params.momentum = 1e6;
+  const Vasculature veins =
+      grown(params, still_cylinder(100), {on_top(0, 1, 0.6, 0.0), on_top(1, 30, 0.7, 0.1), on_top(2, 60, 0.7, 3.0)});
+  for (std::size_t v = veins.ring_vertices; v < veins.vertices.size(); ++v) {
+    EXPECT_TRUE(std::isfinite(veins.vertices[v].resistance)) << v;
+    EXPECT_LT(length(veins.vertices[v].position), 100.0) << v;
+  }
+}
+
 TEST(GrowVeins, StrandsThickenWithTheirAgeAndByTheirCourse) {
   VeinParams params = plain_veins();
   const std::vector<VeinPrimordium> primordia = {on_top(0, 1, 0.6, 0.0), on_top(1, 60, 0.7, 3.0)};

@@ -1,5 +1,7 @@
 #include "arguments.h"
 
+#include <fmt/format.h>
+
 #include <charconv>
 #include <cmath>
 
@@ -66,6 +68,19 @@ std::uint64_t parse_whole(std::string_view name, std::string_view text, std::uin
     throw refusal(name, "must be a whole number in [" + std::to_string(min) + ", " + std::to_string(max) + "]", typed);
   }
   return value;
+}
+
+std::size_t parse_word(std::string_view flag, std::string_view word, std::span<const std::string_view> words) {
+  const auto found = std::find(words.begin(), words.end(), word);
+  if (found != words.end()) {
+    return static_cast<std::size_t>(found - words.begin());
+  }
+  std::string list;
+  for (std::size_t i = 0; i < words.size(); ++i) {
+    list += i == 0 ? "" : i + 1 == words.size() ? " or " : ", ";
+    list += words[i];
+  }
+  throw usage(fmt::format("{} must be {}, got {}", flag, list, word));
 }
 
 CLI::Option* add_number(CLI::App& app, const std::string& flag, double& value, const Limits& limits, std::string help) {

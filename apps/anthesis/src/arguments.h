@@ -3,6 +3,7 @@
 #include <cstdint>
 #include <functional>
 #include <optional>
+#include <span>
 #include <string>
 #include <string_view>
 
@@ -24,6 +25,9 @@ std::uint64_t parse_whole(std::string_view name, std::string_view text, std::uin
 /// The same for a part of what was typed; the message shows all of it.
 std::uint64_t parse_whole(std::string_view name, std::string_view part, std::uint64_t min, std::uint64_t max,
                           std::string_view typed);
+
+/// Which of `words` was given. Throws a Failure of usage: "--cut must be whole, half or slice, got thin".
+std::size_t parse_word(std::string_view flag, std::string_view word, std::span<const std::string_view> words);
 
 /// A flag that takes a number: checked while it is read, and shown with its default in the help.
 CLI::Option* add_number(CLI::App& app, const std::string& flag, double& value, const Limits& limits, std::string help);

@@ -4,6 +4,7 @@
 #include <nlohmann/json.hpp>
 #include <string>
 #include <string_view>
+#include <type_traits>
 #include <utility>
 
 #include "anthesis/base/error.h"
@@ -71,9 +72,14 @@ class Report {
   template <class Work>
   auto time(const char* stage, Work&& work) {
     const Clock::time_point began = Clock::now();
-    auto result = std::forward<Work>(work)();
-    add_time(stage, began);
-    return result;
+    if constexpr (std::is_void_v<decltype(work())>) {
+      std::forward<Work>(work)();
+      add_time(stage, began);
+    } else {
+      auto result = std::forward<Work>(work)();
+      add_time(stage, began);
+      return result;
+    }
   }
 
   void add_output(const std::string& path, std::string_view bytes);

@@ -18,20 +18,6 @@
 namespace anthesis::cli {
 namespace {
 
-/// Which of several words was given.
-std::size_t word_of(const std::string& flag, const std::string& word, std::span<const std::string_view> words) {
-  const auto found = std::find(words.begin(), words.end(), word);
-  if (found == words.end()) {
-    std::string list;
-    for (std::size_t i = 0; i < words.size(); ++i) {
-      list += i == 0 ? "" : i + 1 == words.size() ? " or " : ", ";
-      list += words[i];
-    }
-    throw usage(fmt::format("{} must be {}, got {}", flag, list, word));
-  }
-  return static_cast<std::size_t>(found - words.begin());
-}
-
 /// The species that was named, or made of the folder that was.
 Species read_species_or_folder(const HeadArguments& arguments) {
   std::error_code ignored;
@@ -48,7 +34,7 @@ Species read_species_or_folder(const HeadArguments& arguments) {
   scale.like = arguments.like.empty() ? head_model_in(arguments.species).value_or(VlabHeadModel::kSunflower)
                                       : head_model(arguments.like);
   scale.source = arguments.source.empty() ? VeinSource::kAsPublished
-                                          : static_cast<VeinSource>(word_of("--source", arguments.source, kSources));
+                                          : static_cast<VeinSource>(parse_word("--source", arguments.source, kSources));
   const VlabObject object = value_of(read_vlab_object(vlab_files_of(arguments.species)));
   return value_of(species_from_vlab(name_of_folder(arguments.species), object, scale));
 }
@@ -98,6 +84,9 @@ void set(Species& species, const std::string& flag, const Setting& setting) {
 }
 
 Species find_head(const HeadArguments& arguments) {
+  if (arguments.by_id && arguments.primordia.empty()) {
+    throw usage("--by-id is for the primordia of a file: give --primordia as well");
+  }
   Species species = read_species_or_folder(arguments);
   if (!species.vasculature) {
     throw failure({ErrorCode::kInvalidParameter, species.name,
@@ -109,7 +98,7 @@ Species find_head(const HeadArguments& arguments) {
   }
   if (!arguments.clock.empty()) {
     constexpr std::array<std::string_view, 2> kClocks = {"consistent", "published"};
-    species.vasculature->clock = static_cast<VeinClock>(word_of("--clock", arguments.clock, kClocks));
+    species.vasculature->clock = static_cast<VeinClock>(parse_word("--clock", arguments.clock, kClocks));
   }
   if (arguments.mean_value) {
     species.vasculature->inside = HeadInside::kMeanValue;
@@ -125,9 +114,8 @@ GrownHead grow_head(const HeadArguments& arguments, const Species& species, std:
   GrownHead grown;
   if (arguments.primordia.empty()) {
     report.time("primordia", [&] {
-      grown.ring = value_of(head_ring(species, arguments.rules()));
+      grown.ring = value_of(head_ring(species, arguments.rules(), progress));
       grown.primordia = head_primordia(species, grown.ring, arguments.rules());
-      return 0;
     });
   } else {
     grown.primordia = report.time("primordia", [&] { return read_primordia(arguments, species); });
@@ -169,6 +157,18 @@ MadeFrom made_from(const HeadArguments& arguments, const Species& species, const
   lines.push_back({"primordia", !file.empty()            ? file
                                 : arguments.as_published ? "active ring, as published"
                                                          : "active ring"});
+  if (arguments.by_id) {
+    lines.push_back({"order", "by id"});
+  }
+  if (arguments.as_published) {
+    lines.push_back({"sections", "as published"});
+  }
+  if (!arguments.source.empty()) {
+    lines.push_back({"source", arguments.source});
+  }
+  if (!arguments.like.empty()) {
+    lines.push_back({"like", arguments.like});
+  }
   lines.push_back({"inside", veins.inside == HeadInside::kHarmonic ? "harmonic" : "mean value"});
   lines.push_back({"clock", veins.clock == VeinClock::kPublished ? "published" : "consistent"});
   lines.push_back({"unit", "mm"});

@@ -1,5 +1,7 @@
 #include "picture_options.h"
 
+#include <fmt/format.h>
+
 #include <array>
 #include <iterator>
 
@@ -11,19 +13,6 @@ namespace {
 
 constexpr std::uint64_t kSmallestSide = 16;
 constexpr std::uint64_t kLargestSide = 8192;
-
-std::string one_of(std::string_view flag, const std::string& word, std::span<const std::string_view> words) {
-  for (const std::string_view allowed : words) {
-    if (word == allowed) {
-      return word;
-    }
-  }
-  std::string list;
-  for (std::size_t i = 0; i < words.size(); ++i) {
-    list += (i == 0 ? "" : i + 1 == words.size() ? " or " : ", ") + std::string(words[i]);
-  }
-  throw usage(std::string(flag) + " must be " + list + ", got " + word);
-}
 
 }  // namespace
 
@@ -47,7 +36,7 @@ void PictureOptions::add_to(CLI::App& app, bool with_ground) {
 
 Photographer::Photographer(const PictureOptions& options) : exposure_ev_(options.exposure) {
   constexpr std::array<std::string_view, 5> kViews = {"top", "bottom", "side", "front", "three-quarter"};
-  view_ = value_of(parse_view(one_of("--view", options.view, kViews)));
+  view_ = value_of(parse_view(kViews[parse_word("--view", options.view, kViews)]));
   if (options.azimuth_deg) {
     view_.azimuth_rad = math::radians(*options.azimuth_deg);
   }
@@ -63,17 +52,25 @@ Photographer::Photographer(const PictureOptions& options) : exposure_ev_(options
   const int width = side(size.substr(0, cross));
   const int height = cross == std::string_view::npos ? width : side(size.substr(cross + 1));
   constexpr std::array<std::string_view, 2> kQualities = {"draft", "final"};
-  render_ = one_of("--quality", options.quality, kQualities) == "draft" ? RenderOptions::draft(width, height)
-                                                                        : RenderOptions::final_quality(width, height);
+  render_ = parse_word("--quality", options.quality, kQualities) == 0 ? RenderOptions::draft(width, height)
+                                                                      : RenderOptions::final_quality(width, height);
   if (options.samples) {
     render_.samples = *options.samples;
     render_.denoise = render_.denoise && render_.samples >= 2;
   }
 
   constexpr std::array<std::string_view, 3> kBackdrops = {"light", "dark", "none"};
-  const std::string backdrop = one_of("--backdrop", options.backdrop, kBackdrops);
-  scene_.backdrop = backdrop == "light" ? Backdrop::light() : backdrop == "dark" ? Backdrop::dark() : Backdrop::none();
+  constexpr std::array kMake = {Backdrop::light, Backdrop::dark, Backdrop::none};
+  scene_.backdrop = kMake[parse_word("--backdrop", options.backdrop, kBackdrops)]();
   scene_.ground = options.ground;
+}
+
+void Photographer::check_sheet(std::size_t pictures) const {
+  constexpr double kMostPixels = 400e6;
+  const double pixels = static_cast<double>(pictures) * render_.width * render_.height;
+  if (pixels > kMostPixels) {
+    throw usage(fmt::format("a sheet must have at most 400 million pixels, got {:.0f} million", pixels / 1e6));
+  }
 }
 
 Scene Photographer::pose(const Development& development, const Canopy& canopy, const Development* finer) const {

@@ -34,6 +34,9 @@ class Photographer {
   /// Throws a Failure of usage where a flag's word or size is not known. The plant may still have to be grown.
   explicit Photographer(const PictureOptions& options);
 
+  /// Refuses so many pictures in one: they are all in memory at once.
+  void check_sheet(std::size_t pictures) const;
+
   const View& view() const { return view_; }
   const Backdrop& backdrop() const { return scene_.backdrop; }
 

@@ -85,6 +85,9 @@ void run(const Arguments& arguments, Console& console) {
   }
   check_outputs(arguments.outputs, kFormats);
   const Photographer photographer(arguments.picture);
+  if (arguments.columns) {
+    photographer.check_sheet(static_cast<std::size_t>(*arguments.frames));
+  }
 
   const ThreadLimit threads(arguments.growth.threads);
   const Progress progress = console.progress();

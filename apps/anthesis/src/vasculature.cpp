@@ -30,6 +30,7 @@ constexpr std::array<std::string_view, 2> kStudyFormats = {"csv", "png"};
 constexpr std::array<std::string_view, 1> kWeightFormats = {"raw"};
 constexpr std::size_t kShownFields = 5;  // unless --control names some
 constexpr std::size_t kGridFrames = 4;   // of a figure of growth, unless --frames says so
+constexpr std::size_t kMostGridFrames = 60;
 
 struct Arguments {
   HeadArguments head;
@@ -108,12 +109,14 @@ std::string svg(const Made& made, const Output& output) {
   params.interior.axis = made.species.vasculature->axis;
   const SectionSequence sections = head_sections(made.head.contours);
   if (is_about(output, "growth")) {
+    const std::size_t last = made.head.contours.frames() - 1;
+    const bool chosen = made.arguments.frames.has_value();
+    const std::size_t count = std::min(chosen ? made.head.moments.size() : kGridFrames, kMostGridFrames);
     std::vector<std::size_t> frames;
-    const std::size_t count = made.arguments.frames ? made.head.moments.size() : kGridFrames;
     for (std::size_t i = 0; i < count; ++i) {
-      frames.push_back(made.arguments.frames ? made.head.moments[i].frame
-                                             : (i + 1) * (made.head.contours.frames() - 1) / count);
+      frames.push_back(chosen ? made.head.moments[i * made.head.moments.size() / count].frame : (i + 1) * last / count);
     }
+    frames.erase(std::unique(frames.begin(), frames.end()), frames.end());
     return value_of(section_growth_svg(sections, frames, 16, params));
   }
   if (is_about(output, "displacement")) {
@@ -125,9 +128,6 @@ std::string svg(const Made& made, const Output& output) {
 }
 
 std::string prims(const Made& made, const Output& output) {
-  if (made.head.ring.empty()) {
-    throw usage("a .prims file is of primordia that grow on the head: leave --primordia out");
-  }
   const VlabPrimordiaMoment moment = is_about(output, "initial") ? VlabPrimordiaMoment::kInitial
                                      : is_about(output, "final") ? VlabPrimordiaMoment::kFinal
                                                                  : VlabPrimordiaMoment::kStable;
@@ -198,7 +198,6 @@ void write_weights(const Output& output, const GrownHead& head, Report& report, 
     if (!error) {
       error = file->finish();
     }
-    return 0;
   });
   if (error) {
     throw failure(*error);
@@ -250,8 +249,16 @@ void run(const Arguments& arguments, Console& console) {
                      arguments.json, console);
   }
   const std::vector<Output> outputs = check_outputs(arguments.outputs, kFormats);
+  for (const Output& output : outputs) {
+    if (output.format == "prims" && !arguments.head.primordia.empty()) {
+      throw usage("a .prims file is of primordia that grow on the head: leave --primordia out");
+    }
+  }
   const std::vector<Output> weights = check_outputs(arguments.weights, kWeightFormats, "--weights");
   const VeinPhotographer photographer(arguments.picture);
+  if (arguments.columns) {
+    photographer.check_sheet(times.size());
+  }
   const Progress progress = console.progress();
   Report report;
   const Species species = report.time("species", [&] { return find_head(arguments.head); });

@@ -1,6 +1,7 @@
 #include "vein_pictures.h"
 
 #include <algorithm>
+#include <array>
 
 #include "anthesis/base/version.h"
 
@@ -14,19 +15,6 @@ PictureOptions well_sampled(PictureOptions options) {
     options.samples = kSamples;
   }
   return options;
-}
-
-HeadCut cut_of(const std::string& word) {
-  if (word == "whole") {
-    return HeadCut::kWhole;
-  }
-  if (word == "half") {
-    return HeadCut::kHalf;
-  }
-  if (word == "slice") {
-    return HeadCut::kSlice;
-  }
-  throw usage("--cut must be whole, half or slice, got " + word);
 }
 
 }  // namespace
@@ -52,7 +40,8 @@ void VeinPictureOptions::add_to(CLI::App& app) {
 VeinPhotographer::VeinPhotographer(const VeinPictureOptions& options) : photographer_(well_sampled(options.picture)) {
   scene_.view = photographer_.view();
   scene_.backdrop = photographer_.backdrop();
-  scene_.cut = cut_of(options.cut);
+  constexpr std::array<std::string_view, 3> kCuts = {"whole", "half", "slice"};
+  scene_.cut = static_cast<HeadCut>(parse_word("--cut", options.cut, kCuts));
   scene_.receptacle = !options.no_receptacle;
   scene_.primordia = options.primordia;
   scene_.scale_bar = options.scale_bar;

@@ -28,7 +28,9 @@ class VeinPhotographer {
   /// Throws a Failure of usage where a flag's word or size is not known.
   explicit VeinPhotographer(const VeinPictureOptions& options);
 
-  /// A head in the frame of the largest of `sizes`; none: its own.
+  void check_sheet(std::size_t pictures) const { photographer_.check_sheet(pictures); }
+
+  /// A head at a moment, framed by `extent`; none: as large as it is.
   Image photograph(const GrownHead& head, const HeadMoment& moment, std::optional<HeadExtent> extent,
                    const Progress& progress) const;
 

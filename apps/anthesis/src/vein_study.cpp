@@ -107,6 +107,11 @@ void run_study(const HeadArguments& arguments, const std::vector<std::string>& t
   std::size_t runs = 1;
   for (const std::string& text : texts) {
     variations.push_back(parse_variation(text));
+    for (std::size_t v = 0; v + 1 < variations.size(); ++v) {
+      if (whole_key(variations[v].key) == whole_key(variations.back().key)) {
+        throw usage("--vary must name different numbers, got " + variations.back().key + " twice");
+      }
+    }
     runs *= variations.back().values.size();
     if (runs > kMostRuns) {
       throw usage(fmt::format("--vary must give at most {} heads together", kMostRuns));
@@ -114,6 +119,9 @@ void run_study(const HeadArguments& arguments, const std::vector<std::string>& t
   }
   const bool pictures = std::any_of(outputs.begin(), outputs.end(), [](const Output& o) { return o.format == "png"; });
   const VeinPhotographer photographer(picture);
+  if (pictures) {
+    photographer.check_sheet(runs);
+  }
   Report report;
   const Species species = report.time("species", [&] { return find_head(arguments); });
   std::vector<Species> heads;  // all are checked before the first is grown
@@ -155,7 +163,7 @@ void run_study(const HeadArguments& arguments, const std::vector<std::string>& t
     for (const auto& [key, value] : figures_of(grown, measures)) {
       header += "," + key;
       row += "," + value;
-      object[key] = nlohmann::ordered_json::parse(value);
+      object[key] = nlohmann::ordered_json::parse(value, nullptr, false);
     }
     if (run == 0) {
       lines = made_from(arguments, species, grown.moments.back());

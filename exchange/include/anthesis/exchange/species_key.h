@@ -9,8 +9,8 @@
 namespace anthesis {
 
 /// The whole name of a key of species files: "vasculature.sector_weight" for "sector_weight" and, by its symbol in O24,
-/// for "mu_sec" (so mu_age, delta, tau_m, r_G, r_V, kappa, n). Names of one part are looked for in [vasculature]. Names
-/// with a point, and any other, stay as they are.
+/// for "mu_sec" (so mu_age, delta, tau_m, r_G, r_V, kappa, n). Names that do not begin with a table are looked for in
+/// [vasculature].
 std::string whole_key(std::string_view key);
 
 /// Sets a number of a species by its key: "head.active_ring.last_ring", "head.active_ring.sections[2].ring",

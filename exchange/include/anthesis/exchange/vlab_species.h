@@ -21,7 +21,7 @@ struct VlabFile {
   std::string bytes;
 };
 
-/// Whether `read_vlab_object` looks at a file of this name: .con .cset .func .fset .dat.
+/// Whether `read_vlab_object` looks at a file of this name: .con .cset .func .fset knotPositions.dat.
 bool is_vlab_head_file(std::string_view file_name);
 
 /// What a VLab object says about a flower head. Parts that it lacks are empty.

@@ -28,7 +28,8 @@ enum class HeadRules {
 };
 
 /// The primordia on the active ring of the head, in order of birth. Errors: those of grow_active_ring.
-Expected<std::vector<RingPrimordium>> head_ring(const Species& species, HeadRules rules = HeadRules::kExact);
+Expected<std::vector<RingPrimordium>> head_ring(const Species& species, HeadRules rules = HeadRules::kExact,
+                                                const Progress& progress = {});
 
 /// The same as the vein model sees them: where they stand when they have stopped moving sideways, and the frame of that
 /// moment, by which they are ordered.

@@ -9,6 +9,7 @@
 
 #include "anthesis/base/error.h"
 #include "anthesis/base/math.h"
+#include "anthesis/base/progress.h"
 #include "anthesis/phyllotaxis/growing_profile.h"
 
 namespace anthesis {
@@ -54,6 +55,9 @@ struct ActiveRingParams {
   std::size_t most_primordia = 100'000;  ///< more are an error (kTooLarge)
 };
 
+/// So many primordia may stand round the ring, by its length and the threshold: the work grows with their square.
+inline constexpr double kMostAroundRing = 2000.0;
+
 /// What is wrong with the parameters for this profile, if anything.
 std::optional<Error> check(const ActiveRingParams& params, const GrowingProfile& profile);
 
@@ -79,15 +83,18 @@ struct RingPrimordium {
 ///
 /// The continuous model: a primordium appears at the very moment and angle at which the arcs that others forbid on the
 /// ring leave the first free point; sideways movement is an ordinary differential equation. Errors: check(params,
-/// profile); a threshold that is not > 0; too many primordia. 500 primordia take about 0.1 s on one thread.
-Expected<std::vector<RingPrimordium>> grow_active_ring(const GrowingProfile& profile, const ActiveRingParams& params);
+/// profile); a threshold that is not > 0, or too small for the ring; too many primordia; kCancelled. 500 primordia take
+/// about 0.1 s on one thread.
+Expected<std::vector<RingPrimordium>> grow_active_ring(const GrowingProfile& profile, const ActiveRingParams& params,
+                                                       const Progress& progress = {});
 
 /// The same by the rules of the program published with O24: a clock of steps of `time_step`, shorter near the apex, and
 /// at each step a scan of the ring in angular steps from the first azimuth on, in which primordia appear at the first
 /// angle of a gap. Angles that the others forbid are jumped over; the outcome is that of the full scan. `relaxation` is
 /// meant per 1 of time, `relaxation * time_step` per step.
 Expected<std::vector<RingPrimordium>> grow_active_ring_as_published(const GrowingProfile& profile,
-                                                                    const ActiveRingParams& params);
+                                                                    const ActiveRingParams& params,
+                                                                    const Progress& progress = {});
 
 /// Time of each step of the published clock, [0] at the start: steps of `step`, each 0.7 % shorter than the one before
 /// while the ring's s is below 0.01 and the step above a tenth of `step`; until time 1.

@@ -81,8 +81,8 @@ struct VeinColonisation {
   TimeCourse s;                           ///< where on the outline: 0 apex, 1 rim
   std::array<double, 2> depth_mm = {0.65, 0.66};  ///< below the surface
   int points_per_frame = 20;                      ///< at most
-  double spacing_mm = 0.015;                      ///< between a new source and those of earlier frames
-  double kill_distance_mm = 0.13;                 ///< a source this near a strand is used up
+  double spacing_mm = 0.015;                      ///< between a new point and those of earlier frames
+  double kill_distance_mm = 0.13;                 ///< a point this near a strand is used up
   double step_mm = 0.0065;                        ///< at the end; twice that at time 0
   double resistivity_factor = 0.05;
   VeinJitter jitter;
