@@ -50,6 +50,7 @@ class Vasculature(ProgramTest):
         report = json.loads(self.expect(DONE, "vasculature", "cap", "--like", "bellis", "--with",
                                         "head.active_ring.bract_landmark=1", "--json", *outputs).out)
         self.assertEqual(report["unconnected"], 0)
+        self.assertLess(report["brought_back"], 0.01 * report["vertices"])
         count = sum(report["primordia"].values())
         self.assertGreater(count, 15)
         self.assertEqual([os.path.basename(output["path"]) for output in report["outputs"]], names)

@@ -43,6 +43,7 @@ Expected<Vasculature> within_harmonic(const Species& species, const ContourSeque
     return unexpected(interior.error());
   }
   std::optional<Error> failed;
+  std::size_t brought_back = 0;
   const std::size_t outline = contours.points_per_frame();
   const HeadGrowth growth{interior->frames(),
                           [&](std::size_t frame) { return interior->section(frame).first(outline); },
@@ -51,13 +52,16 @@ Expected<Vasculature> within_harmonic(const Species& species, const ContourSeque
                               failed = interior->advance(frame);
                             }
                             if (!failed) {
-                              interior->carry(points);
+                              brought_back += interior->carry(points);
                             }
                           }};
   options.stride = 1;
   Expected<Vasculature> veins = grow_veins(veins_of(species).params, growth, primordia, options);
   if (failed) {
     return unexpected(*failed);
+  }
+  if (veins) {
+    veins->brought_back = brought_back;
   }
   return veins;
 }

@@ -89,9 +89,8 @@ Species find_head(const HeadArguments& arguments) {
   }
   Species species = read_species_or_folder(arguments);
   if (!species.vasculature) {
-    throw failure({ErrorCode::kInvalidParameter, species.name,
-                   "must have a table [vasculature], as "
-                   "sunflower-head has"});
+    throw failure(
+        {ErrorCode::kInvalidParameter, species.name, "must have a table [vasculature], as sunflower-head has"});
   }
   for (const std::string& setting : arguments.with) {
     set(species, "--with", parse_setting("--with", setting));
@@ -132,7 +131,9 @@ GrownHead grow_head(const HeadArguments& arguments, const Species& species, std:
   options.at_frame = [&](std::uint32_t frame, const Vasculature& veins) {
     grown.moments.push_back({frame, static_cast<double>(frame) / last, veins});
   };
-  report.time("veins", [&] { return value_of(head_veins(species, grown.contours, grown.primordia, options)); });
+  const Vasculature whole =
+      report.time("veins", [&] { return value_of(head_veins(species, grown.contours, grown.primordia, options)); });
+  grown.brought_back = whole.brought_back;
   return grown;
 }
 

@@ -54,6 +54,7 @@ struct GrownHead {
   std::vector<RingPrimordium> ring;  ///< empty where primordia came from a file
   std::vector<VeinPrimordium> primordia;
   ContourSequence contours;
+  std::size_t brought_back = 0;     ///< times that growth brought a point back into the section
   std::vector<HeadMoment> moments;  ///< those that were asked for, at least one
 };
 

@@ -222,6 +222,7 @@ void describe(const Made& made, Report& report) {
   report.values["second_connections"] = made.last().veins.second_connections.size();
   report.values["attraction_points_max"] = made.last().veins.most_attraction_points;
   report.values["unconnected"] = unconnected;
+  report.values["brought_back"] = made.head.brought_back;
   report.values["total_length_mm"] = made.measures.total_length;
   report.values["loops"] = made.measures.loops;
   report.values["highest_order"] = made.measures.highest_order;

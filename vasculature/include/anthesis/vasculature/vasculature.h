@@ -59,6 +59,7 @@ struct Vasculature {
   std::vector<SecondConnection> second_connections;
   std::vector<Vec3> attraction_points;     ///< of colonisation, still unused
   std::size_t most_attraction_points = 0;  ///< there have been at once
+  std::size_t brought_back = 0;  ///< times that growth had to bring a point back into the section, if growth counts
 };
 
 struct VeinOptions {
