@@ -46,7 +46,8 @@ Expected<InteriorGrowth> head_inside(const Species& species, const ContourSequen
 /// The same sections, without anything that moves in them.
 SectionSequence head_sections(const ContourSequence& contours);
 
-/// Grows the veins; with harmonic growth `brought_back` is counted. `options.stride` is chosen here. Errors: those of grow_veins and of the growth of the inside.
+/// Grows the veins; with harmonic growth `brought_back` is counted. `options.stride` is chosen here. Errors: those of
+/// grow_veins and of the growth of the inside.
 Expected<Vasculature> head_veins(const Species& species, const ContourSequence& contours,
                                  std::span<const VeinPrimordium> primordia, VeinOptions options = {});
 
