@@ -8,6 +8,7 @@
 
 #include "anthesis/base/assert.h"
 #include "anthesis/base/math.h"
+#include "anthesis/corolla/pigment.h"
 #include "glb_writer.h"
 #include "gltf_buffer.h"
 #include "provenance.h"
@@ -24,12 +25,6 @@ constexpr double kMetresPerUnit = 0.001;
 constexpr double kRoughness = 0.5;
 constexpr std::array<double, 3> kReceptacleColour = {0.25, 0.45, 0.12};  // linear; the light green of stems
 constexpr std::array<VeinKind, 3> kKinds = {VeinKind::kAbaxial, VeinKind::kFloret, VeinKind::kAdaxial};
-
-/// Of the sRGB value of a screen the share of light.
-double linear(std::uint8_t channel) {
-  const double value = channel / 255.0;
-  return value <= 0.04045 ? value / 12.92 : math::pow((value + 0.055) / 1.055, 2.4);
-}
 
 Error too_large() {
   return {ErrorCode::kTooLarge, "glb", "must be at most 2 GiB: ask for fewer frames or fewer sides"};
@@ -141,7 +136,7 @@ struct VeinGlb::State {
       material.name = vein_kind_name(kKinds[which]);
       const std::array<std::uint8_t, 3> colour = vein_colour(kKinds[which]);
       for (std::size_t c = 0; c < 3; ++c) {
-        pbr.baseColorFactor[c] = detail::tidy(static_cast<float>(linear(colour[c])));
+        pbr.baseColorFactor[c] = detail::tidy(static_cast<float>(linear_from_srgb(colour[c] / 255.0)));
       }
     } else {
       material.name = "receptacle";

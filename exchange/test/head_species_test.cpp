@@ -70,6 +70,9 @@ TEST_P(HeadSpecies, EveryPrimordiumHasItsVeinsAndTheyAreAsManyAsPublished) {
   }
   const auto contours = head_contours(species);
   ASSERT_TRUE(contours.has_value());
+  for (const ContourPoint& point : contours->points) {
+    ASSERT_GE(point.position.x, 0.0);
+  }
   const auto veins = head_veins(species, *contours, primordia);
   ASSERT_TRUE(veins.has_value()) << to_string(veins.error());
   EXPECT_NEAR(static_cast<double>(veins->vertices.size()), published.vertices, 0.1 * published.vertices);

@@ -28,6 +28,11 @@ std::string indexed(const char* name, std::size_t i) {
   return std::string(name) + '[' + std::to_string(i) + ']';
 }
 
+/// Series miss the axis by a rounding; a radius is never negative.
+Vec2 right_of_axis(Vec2 point) {
+  return {std::max(point.x, 0.0), point.y};
+}
+
 std::optional<Error> check_section(const std::string& where, const DigitisedSection& section) {
   if (auto error = check_profile(where + ".profile", section.profile)) {
     return error;
@@ -231,7 +236,7 @@ GrowingReceptacle::GrowingReceptacle(const DigitisedHead& head, SectionLookup lo
 }
 
 Vec2 GrowingReceptacle::point(double time, double s) const {
-  return tables_->profile.blend(tables_->weights(time), s);
+  return right_of_axis(tables_->profile.blend(tables_->weights(time), s));
 }
 
 double GrowingReceptacle::length(double time) const {
@@ -359,7 +364,7 @@ Vec2 GrownProfile::point(double s) const {
     here = next;
     sum += Vec2{here * cx[m], here * cy[m]};
   }
-  return sum;
+  return right_of_axis(sum);
 }
 
 double GrownProfile::length_to(double s) const {

@@ -21,7 +21,7 @@ struct LabelledMesh {
 };
 
 /// Takes away what is beyond the plane and closes the surfaces by flat faces in it. O(vertices + triangles), and for
-/// each face the square of its corners.
+/// each face between the square and the cube of its corners.
 LabelledMesh cut(const LabelledMesh& from, const CutPlane& plane);
 
 /// Triangles of a simple polygon given counter-clockwise, without new points: n - 2 of them, by ears. A polygon that

@@ -140,7 +140,7 @@ GrownHead grow_head(const HeadArguments& arguments, const Species& species, std:
 std::vector<Vec2> outline_of(const ContourSequence& contours, std::size_t frame) {
   std::vector<Vec2> outline;
   for (const ContourPoint& point : contours.frame(frame)) {
-    outline.push_back({std::max(point.position.x, 0.0), point.position.y});  // the apex is on the axis but for rounding
+    outline.push_back(point.position);
   }
   return outline;
 }

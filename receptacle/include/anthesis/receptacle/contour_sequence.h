@@ -10,7 +10,7 @@
 namespace anthesis {
 
 struct ContourPoint {
-  Vec2 position;   ///< (radius, height)
+  Vec2 position;   ///< (radius, height), radius >= 0
   double s = 0.0;  ///< 0 apex, 1 base
 };
 

@@ -60,7 +60,7 @@ class GrowingReceptacle final : public GrowingProfile {
   /// Precondition: check(head) finds nothing.
   explicit GrowingReceptacle(const DigitisedHead& head, SectionLookup lookup = SectionLookup::kExact);
 
-  /// Blends the sections at equal s: (radius, height) = scale * sum of B_k(time) C_k(s).
+  /// Blends the sections at equal s: (radius, height) = scale * sum of B_k(time) C_k(s); radius >= 0.
   Vec2 point(double time, double s) const;
   double radius(double time, double s) const override { return point(time, s).x; }
 
