@@ -125,10 +125,15 @@ Expected<FileWriter> FileWriter::create(const std::string& path) {
     // Renaming over a device would replace it, and a pipe has a reader who waits for these bytes.
     state->file.value = ::open(path.c_str(), O_WRONLY | O_CLOEXEC);
   } else {
+    // A program that was killed leaves its temporary file behind, and its number may be ours: in a container every
+    // process may be number 1.
     static std::atomic<unsigned> counter = 0;
-    std::string temporary = path + "." + std::to_string(::getpid()) + "-" + std::to_string(counter++) + ".part";
     const mode_t mode = exists ? (status.st_mode & 0777) : 0666;
-    state->file.value = ::open(temporary.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, mode);
+    std::string temporary;
+    do {
+      temporary = path + "." + std::to_string(::getpid()) + "-" + std::to_string(counter++) + ".part";
+      state->file.value = ::open(temporary.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, mode);
+    } while (state->file.value < 0 && errno == EEXIST);
     if (state->file.value >= 0) {
       state->temporary = std::move(temporary);
     }

@@ -55,6 +55,25 @@ TEST_F(FileTest, AFileWrittenInPiecesAppearsOnlyWhenItIsFinished) {
   EXPECT_EQ(entries(), 1u);
 }
 
+TEST_F(FileTest, WhatAKilledProgramOfTheSameNumberLeftBehindIsInNobodysWay) {
+  std::string temporary;
+  {
+    Expected<FileWriter> writer = FileWriter::create(path("x"));
+    ASSERT_TRUE(writer);
+    temporary = fs::directory_iterator(folder_)->path().filename().string();
+  }
+  // x.PROCESS-COUNT.part: the next hundred names are taken.
+  const std::size_t dash = temporary.rfind('-');
+  ASSERT_NE(dash, std::string::npos);
+  const int count = std::stoi(temporary.substr(dash + 1));
+  for (int i = 1; i <= 100; ++i) {
+    std::ofstream(folder_ / (temporary.substr(0, dash + 1) + std::to_string(count + i) + ".part")) << "left";
+  }
+  EXPECT_FALSE(write_file(path("x"), "mine"));
+  EXPECT_EQ(*read_file(path("x"), 100), "mine");
+  EXPECT_EQ(entries(), 101u);
+}
+
 TEST_F(FileTest, AFullDiskIsAnErrorAndTheDeviceStays) {
   const auto error = write_file("/dev/full", "x");
   ASSERT_TRUE(error);

@@ -213,6 +213,12 @@ Expected<Checkpoint> load_checkpoint(const std::string& folder, const std::strin
 
 void remove_checkpoint(const std::string& folder) {
   ANTHESIS_ASSERT(!folder.empty());
+  // The state goes first: what is left of frames without it is nothing to go on from, a state without them is damaged.
+  std::error_code failed;
+  fs::remove(state_file(folder), failed);
+  if (failed) {
+    return;
+  }
   // Also what a run that was killed while it wrote left behind: names that go on after these.
   std::error_code ignored;
   std::vector<fs::path> ours;

@@ -28,7 +28,8 @@ Expected<Checkpoint> load_checkpoint(const std::string& folder, const std::strin
 /// Whether the folder holds a checkpoint of any run.
 bool has_checkpoint(const std::string& folder);
 
-/// Removes the files that save_checkpoint wrote, and the folder if nothing else is in it.
+/// Removes the files that save_checkpoint wrote, the state before its frames, so that a run killed meanwhile can be
+/// started afresh; and the folder if nothing else is in it.
 void remove_checkpoint(const std::string& folder);
 
 }  // namespace anthesis::detail

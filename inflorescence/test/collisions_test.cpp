@@ -427,6 +427,20 @@ TEST_F(Collisions, OnlyTheCheckpointIsRemovedFromAFolder) {
   remove_checkpoint(folder() + "/nowhere");  // nothing happens
 }
 
+TEST_F(Collisions, TheStateIsRemovedBeforeItsFrames) {
+  // Killed in between, a run must not leave a state behind that lacks its frames: it could not be taken up again.
+  interrupt_at(0.5, {0.1, 1.0});
+  const fs::path state = fs::path(folder()) / "state.checkpoint";
+  fs::remove(state);
+  fs::create_directories(state / "stuck");  // cannot be removed
+  const std::size_t frames = files().size();
+  ASSERT_GT(frames, 1u);
+  remove_checkpoint(folder());
+  EXPECT_EQ(files().size(), frames);
+  fs::remove_all(state);
+  EXPECT_TRUE(resolve_collisions(plant(), std::vector<double>{0.1, 1.0}, options_for(folder(), true)));
+}
+
 // ---------------------------------------------------------------------------------------------------------------------
 
 TEST_F(Collisions, AnOrganThatCrossesItselfIsNamed) {
