@@ -6,7 +6,6 @@ import signal
 import struct
 import subprocess
 import time
-import zlib
 
 from program import CROSSINGS, DONE, INTERRUPTED, PROGRAM, USAGE, ProgramTest, main, scene
 
@@ -130,30 +129,6 @@ class Pictures(CollisionsTest):
             self.assertTrue(any(map(any, coverage)))
             self.assertFalse(any(coverage[0]), f"frame {frame} touches the upper border")
             self.assertFalse(any(row[0] or row[-1] for row in coverage), f"frame {frame} touches a side")
-
-    def coverage(self, name):
-        """Rows of the alpha channel of a PNG of four channels of 8 bits."""
-        content = self.content(name)
-        width, height, depth, kind = struct.unpack_from(">IIBB", content, 16)
-        self.assertEqual((depth, kind), (8, 6))
-        data, place = b"", 8
-        while place < len(content):
-            size, = struct.unpack_from(">I", content, place)
-            if content[place + 4:place + 8] == b"IDAT":
-                data += content[place + 8:place + 8 + size]
-            place += 12 + size
-        data = zlib.decompress(data)
-        stride = 4 * width
-        rows, above = [], [0] * stride
-        for y in range(height):
-            kind, *row = data[y * (stride + 1):(y + 1) * (stride + 1)]
-            for x in range(stride):
-                left, corner = (row[x - 4], above[x - 4]) if x >= 4 else (0, 0)
-                nearest = min((left, above[x], corner), key=lambda v: abs(left + above[x] - corner - v))
-                row[x] = (row[x] + [0, left, above[x], (left + above[x]) // 2, nearest][kind]) & 255
-            rows.append(row[3::4])
-            above = row
-        return rows
 
 
 class Interruptions(CollisionsTest):

@@ -1,10 +1,12 @@
 """What the tests of the program share: running it, in a folder of its own, and looking at what it says."""
 import os
 import shutil
+import struct
 import subprocess
 import sys
 import tempfile
 import unittest
+import zlib
 
 PROGRAM = os.environ.get("ANTHESIS") or os.path.join(os.path.dirname(__file__), "..", "build", "bin", "anthesis")
 PROGRAM = os.path.abspath(PROGRAM)
@@ -37,6 +39,30 @@ class ProgramTest(unittest.TestCase):
     def content(self, name):
         with open(self.path(name), "rb") as file:
             return file.read()
+
+    def coverage(self, name):
+        """Rows of the alpha channel of a PNG of four channels of 8 bits."""
+        content = self.content(name)
+        width, height, depth, kind = struct.unpack_from(">IIBB", content, 16)
+        self.assertEqual((depth, kind), (8, 6))
+        data, place = b"", 8
+        while place < len(content):
+            size, = struct.unpack_from(">I", content, place)
+            if content[place + 4:place + 8] == b"IDAT":
+                data += content[place + 8:place + 8 + size]
+            place += 12 + size
+        data = zlib.decompress(data)
+        stride = 4 * width
+        rows, above = [], [0] * stride
+        for y in range(height):
+            kind, *row = data[y * (stride + 1):(y + 1) * (stride + 1)]
+            for x in range(stride):
+                left, corner = (row[x - 4], above[x - 4]) if x >= 4 else (0, 0)
+                nearest = min((left, above[x], corner), key=lambda v: abs(left + above[x] - corner - v))
+                row[x] = (row[x] + [0, left, above[x], (left + above[x]) // 2, nearest][kind]) & 255
+            rows.append(row[3::4])
+            above = row
+        return rows
 
     def run_program(self, *arguments, environment=None, timeout=120, preexec=None):
         process = subprocess.run([PROGRAM, *arguments], cwd=self.folder, capture_output=True, timeout=timeout,

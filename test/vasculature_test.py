@@ -4,7 +4,7 @@ import hashlib
 import json
 import os
 
-from program import BAD_DATA, DONE, IO_FAILED, SOURCE, USAGE, ProgramTest, main
+from program import BAD_DATA, DONE, IO_FAILED, SOURCE, USAGE, ProgramTest, main, scene
 
 REFERENCE = os.environ.get("ANTHESIS_REFERENCE") or os.path.join(SOURCE, "..", "shared", "reference")
 SIZES = (0.012, 0.03, 0.1)
@@ -158,12 +158,28 @@ class Vasculature(ProgramTest):
                                      "--with", "ring_vertices=20", "--json").out)
         self.assertEqual(str(one["vertices"]), rows[3]["vertices"])
         for words, message in (
-                (["--vary", "mu_sec=0:1"], "--vary must be KEY=FROM:TO:STEP, got mu_sec=0:1"),
+                (["--vary", "mu_sec=0:1"], "--vary must be KEY=FROM:TO:STEP or KEY=xFROM:TO:STEP, got mu_sec=0:1"),
                 (["--vary", "mu_sec=1:0:0.1"], "--vary must go up from FROM to TO by a STEP > 0, got mu_sec=1:0:0.1"),
                 (["--vary", "mu_sec=0:1:0.5", "-o", "a.glb"], "-o must end in .csv or .png, got a.glb"),
                 (["--vary", "mu_sec=0:1:0.0001"], "--vary must give at most 1000 values, got mu_sec=0:1:0.0001"),
                 (["--vary", "mu_sec=0:1:0.5", "--frames", "3"], "--vary goes with neither --frames nor --weights")):
             self.expect(USAGE, "vasculature", "cap", *words, message=message)
+
+    def test_heads_of_a_range_are_shown_at_one_scale_and_none_is_cut_off(self):
+        # Of half the size and whole. The sheet is two cells of 64 pixels.
+        self.expect(DONE, "vasculature", scene("cap_head"), "--vary", "head.active_ring.sections[2].points=x0.5:1:0.5",
+                    "-o", "sheet.png", "-o", "table.csv", "--size", "64", "--quality", "draft", "--view", "side",
+                    "--backdrop", "none")
+        self.assertEqual([row["head.active_ring.sections[2].points_factor"] for row in self.rows("table.csv")],
+                         ["0.5", "1"])
+        rows = self.coverage("sheet.png")[:-12]  # without the caption
+        self.assertEqual(len(rows[0]), 128)
+        small, large = ([row[start:start + 64] for row in rows] for start in (0, 64))
+        widths = [max(sum(alpha > 0 for alpha in row) for row in cell) for cell in (small, large)]
+        self.assertGreater(widths[1], 32)
+        self.assertAlmostEqual(widths[0] / widths[1], 0.5, delta=0.1)
+        for cell in (small, large):
+            self.assertFalse(any(cell[0]) or any(row[0] or row[-1] for row in cell))
 
     def test_any_number_of_the_species_can_be_changed(self):
         one = json.loads(self.expect(DONE, "vasculature", "cap", "--with", "ring_vertices=3", "--with",
@@ -173,7 +189,8 @@ class Vasculature(ProgramTest):
                     message="--with: vasculature.mu_sek is not known")
         self.expect(USAGE, "vasculature", "cap", "--with", "mu_sec=-1",
                     message="--with: vasculature.sector_weight must be in [0, 1e+06], got -1")
-        self.expect(USAGE, "vasculature", "cap", "--with", "mu_sec", message="--with must be KEY=NUMBER, got mu_sec")
+        self.expect(USAGE, "vasculature", "cap", "--with", "mu_sec",
+                    message="--with must be KEY=NUMBER or KEY=xFACTOR, got mu_sec")
 
     def test_what_is_wrong_is_said(self):
         self.expect(USAGE, "vasculature", "cap", "--like", "rose",

@@ -2,8 +2,29 @@
 
 #include <sleef.h>
 
+#include <cmath>
+#include <initializer_list>
+
+#include "anthesis/base/assert.h"
+
 // The "purec" functions of SLEEF without FMA ("cinz") are plain C: nothing is chosen by the processor at run time.
 namespace anthesis::math {
+namespace {
+
+/// By multiplication, so that powers of ten come out as they are written.
+double power_of_ten_below(double value) {
+  ANTHESIS_ASSERT(std::isfinite(value) && value > 0.0);
+  double power = 1.0;
+  while (power > value) {
+    power /= 10.0;
+  }
+  while (10.0 * power <= value) {
+    power *= 10.0;
+  }
+  return power;
+}
+
+}  // namespace
 
 double sin(double angle_rad) {
   return Sleef_cinz_sind1_u10purec(angle_rad);
@@ -35,6 +56,21 @@ double log(double x) {
 }
 double pow(double x, double y) {
   return Sleef_cinz_powd1_u10purec(x, y);
+}
+
+double round_down_to_125(double value) {
+  const double power = power_of_ten_below(value);
+  return value >= 5.0 * power ? 5.0 * power : value >= 2.0 * power ? 2.0 * power : power;
+}
+double round_up_to_125(double value) {
+  const double power = power_of_ten_below(value);
+  const double least = value * (1.0 - 1e-9);
+  for (const double factor : {1.0, 2.0, 5.0}) {
+    if (factor * power >= least) {
+      return factor * power;
+    }
+  }
+  return 10.0 * power;
 }
 
 }  // namespace anthesis::math

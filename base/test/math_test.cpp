@@ -34,5 +34,28 @@ TEST(Math, HasTheSameBitsEverywhere) {
   EXPECT_EQ(math::atan2(3.0, -7.0), 0x1.5e4c36ca0118ap+1);
 }
 
+TEST(Math, RoundsToOneTwoOrFiveTimesAPowerOfTen) {
+  EXPECT_DOUBLE_EQ(math::round_down_to_125(1.0), 1.0);
+  EXPECT_DOUBLE_EQ(math::round_down_to_125(1.99), 1.0);
+  EXPECT_DOUBLE_EQ(math::round_down_to_125(4.9), 2.0);
+  EXPECT_DOUBLE_EQ(math::round_down_to_125(9.99), 5.0);
+  EXPECT_DOUBLE_EQ(math::round_down_to_125(0.0041), 0.002);
+  EXPECT_DOUBLE_EQ(math::round_down_to_125(7e8), 5e8);
+  EXPECT_DOUBLE_EQ(math::round_up_to_125(1.0), 1.0);
+  EXPECT_DOUBLE_EQ(math::round_up_to_125(1.01), 2.0);
+  EXPECT_DOUBLE_EQ(math::round_up_to_125(2.1), 5.0);
+  EXPECT_DOUBLE_EQ(math::round_up_to_125(5.1), 10.0);
+  EXPECT_DOUBLE_EQ(math::round_up_to_125(0.0021), 0.005);
+  EXPECT_DOUBLE_EQ(math::round_up_to_125(0.1 + 0.1 + 0.3), 0.5);
+  for (double value = 1e-7; value < 1e7; value *= 1.37) {
+    const double down = math::round_down_to_125(value);
+    const double up = math::round_up_to_125(value);
+    EXPECT_LE(down, value);
+    EXPECT_LT(value, 2.5 * down * (1.0 + 1e-12));
+    EXPECT_GE(up, value * (1.0 - 1e-9));
+    EXPECT_DOUBLE_EQ(math::round_up_to_125(down), down);
+  }
+}
+
 }  // namespace
 }  // namespace anthesis

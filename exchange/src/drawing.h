@@ -1,5 +1,6 @@
 #pragma once
 #include <algorithm>
+#include <array>
 #include <charconv>
 #include <cmath>
 #include <string>
@@ -78,20 +79,26 @@ inline void line(std::string& svg, double x0, double y0, double x1, double y1, s
          attribute("y2", px(y1)), attribute("stroke", colour), attribute("stroke-width", px(width)), more, "/>\n");
 }
 
-/// Green young, 0, over yellow to red old, 1.
-inline std::string age_colour(double age) {
-  constexpr double kStops[3][3] = {{58, 166, 85}, {232, 198, 58}, {200, 55, 45}};
+/// The colour at `share` of the way, 0 to 1, through stops (red, green, blue; 0 to 255) at equal distances.
+template <std::size_t kStops>
+std::string blended(const std::array<std::array<double, 3>, kStops>& stops, double share) {
   constexpr char kDigits[] = "0123456789abcdef";
-  const double place = 2.0 * std::clamp(age, 0.0, 1.0);
-  const int i = place < 1.0 ? 0 : 1;
-  const double f = place - i;
+  const double place = static_cast<double>(kStops - 1) * std::clamp(share, 0.0, 1.0);
+  const std::size_t i = std::min(static_cast<std::size_t>(place), kStops - 2);
+  const double f = place - static_cast<double>(i);
   std::string colour = "#";
-  for (int c = 0; c < 3; ++c) {
-    const long value = std::lround((1.0 - f) * kStops[i][c] + f * kStops[i + 1][c]);
+  for (std::size_t c = 0; c < 3; ++c) {
+    const long value = std::lround((1.0 - f) * stops[i][c] + f * stops[i + 1][c]);
     colour += kDigits[value / 16];
     colour += kDigits[value % 16];
   }
   return colour;
+}
+
+/// Green young, 0, over yellow to red old, 1.
+inline std::string age_colour(double age) {
+  constexpr std::array<std::array<double, 3>, 3> kStops = {{{58, 166, 85}, {232, 198, 58}, {200, 55, 45}}};
+  return blended(kStops, age);
 }
 
 }  // namespace anthesis::detail

@@ -132,7 +132,7 @@ VlabPrimordia vlab_primordia(std::span<const RingPrimordium> primordia, VlabPrim
     row.s = at.s;
     row.azimuth_rad = at.azimuth_rad;
     row.type =
-        codes == VlabOrganCodes::kGerbera ? static_cast<int>(at.kind) : (at.kind == HeadOrganKind::kBract ? 1 : 0);
+        codes == VlabOrganCodes::kGerbera ? static_cast<int>(at.kind) : (at.kind == PrimordiumKind::kBract ? 1 : 0);
     all.primordia.push_back(row);
   }
   if (moment == VlabPrimordiaMoment::kStable) {

@@ -6,6 +6,7 @@
 #include <utility>
 #include <vector>
 
+#include "anthesis/base/math.h"
 #include "anthesis/geometry/predicates.h"
 #include "drawing.h"
 #include "text.h"
@@ -18,6 +19,7 @@ using detail::kFaint;
 using detail::kInk;
 using detail::line;
 using detail::px;
+using detail::short_text;
 using detail::text_at;
 
 constexpr std::size_t kMostPanels = 60;
@@ -32,37 +34,9 @@ constexpr double kLegendWidth = 84.0;
 
 /// Paper, straw, green, blue, night: darker with every step in print without colours too.
 std::string shade(double share) {
-  constexpr double kStops[5][3] = {{250, 248, 238}, {222, 226, 150}, {92, 178, 150}, {38, 104, 152}, {22, 32, 84}};
-  constexpr char kDigits[] = "0123456789abcdef";
-  const double place = 4.0 * std::clamp(share, 0.0, 1.0);
-  const auto i = std::min<std::size_t>(static_cast<std::size_t>(place), 3);
-  const double f = place - static_cast<double>(i);
-  std::string colour = "#";
-  for (std::size_t c = 0; c < 3; ++c) {
-    const long value = std::lround((1.0 - f) * kStops[i][c] + f * kStops[i + 1][c]);
-    colour += kDigits[value / 16];
-    colour += kDigits[value % 16];
-  }
-  return colour;
-}
-
-/// The largest of 1, 2, 5 times a power of ten that is not above `value`, which is finite and > 0.
-double round_down(double value) {
-  double power = 1.0;
-  while (power > value) {
-    power /= 10.0;
-  }
-  while (10.0 * power <= value) {
-    power *= 10.0;
-  }
-  return value >= 5.0 * power ? 5.0 * power : value >= 2.0 * power ? 2.0 * power : power;
-}
-
-/// "0.3" for 0.30000000000000004.
-std::string short_text(double value) {
-  char digits[64];
-  const std::to_chars_result end = std::to_chars(digits, digits + sizeof(digits), value, std::chars_format::general, 6);
-  return std::string(digits, end.ptr);
+  constexpr std::array<std::array<double, 3>, 5> kStops = {
+      {{250, 248, 238}, {222, 226, 150}, {92, 178, 150}, {38, 104, 152}, {22, 32, 84}}};
+  return detail::blended(kStops, share);
 }
 
 /// Lengths are shown in millimetres where they are known.
@@ -184,7 +158,7 @@ class Figure {
   void scale_bar(std::size_t i) {
     const Panel& panel = panels_[i];
     const double per_unit = shown_per_unit(params_);
-    const double bar = round_down(0.5 * room_ / panel.scale * per_unit);
+    const double bar = math::round_down_to_125(0.5 * room_ / panel.scale * per_unit);
     const double length = panel.scale * bar / per_unit;
     const double y = panel.corner.y + 20.0;
     line(svg, panel.corner.x, y, panel.corner.x + length, y, kInk, 2.0);
@@ -344,18 +318,6 @@ void draw_arrow(std::string& svg, Vec2 from, Vec2 to) {
   detail::append(svg, "<path", attribute("d", path), "/>\n");
 }
 
-bool is_in_section(std::span<const Vec2> controls, Vec2 p) {
-  bool inside = false;
-  for (std::size_t i = 0; i + 1 < controls.size(); ++i) {
-    const Vec2 a = controls[i];
-    const Vec2 b = controls[i + 1];
-    if ((a.y > p.y) != (b.y > p.y) && (orient2d(a, b, p) > 0) == (b.y > a.y)) {
-      inside = !inside;
-    }
-  }
-  return inside;
-}
-
 std::optional<Error> carry_to(InteriorGrowth& growth, std::size_t frame, std::span<Vec2> points) {
   while (growth.frame() < frame) {
     (void)growth.carry(points);
@@ -478,7 +440,7 @@ Expected<std::string> section_displacement_svg(const SectionSequence& sections, 
   std::vector<std::string> labels;
   if (most > 0.0) {
     const double per_unit = shown_per_unit(params);
-    const double band = round_down(most * per_unit / 5.0);
+    const double band = math::round_down_to_125(most * per_unit / 5.0);
     for (double k = 1.0; k * band < most * per_unit * (1.0 - 1e-9); k += 1.0) {
       levels.push_back(k * band / per_unit);
       labels.push_back(short_text(k * band));

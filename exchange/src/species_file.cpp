@@ -357,11 +357,11 @@ class TableReader {
 
   /// Comes before the other keys of its table, which then change single parameters.
   void preset(const char* like, const char* source, const char*) {
-    const auto model = chosen_of(like, species_table::kVeinModels);
-    const auto from = chosen_of(source, species_table::kVeinSources);
+    const auto model = chosen_of(like, kHeadModelNames);
+    const auto from = chosen_of(source, kVeinSourceNames);
     if (model) {
-      constexpr VeinParams (*kModels[])(VeinSource) = {bellis_veins, sunflower_veins, gerbera_veins};
-      object_.params = kModels[*model](from ? static_cast<VeinSource>(*from) : VeinSource::kAsPublished);
+      object_.params =
+          vein_params(static_cast<HeadModel>(*model), from ? static_cast<VeinSource>(*from) : VeinSource::kAsPublished);
     } else if (from) {
       document_.refuse(*table_.get(source), where(source), "must come with \"like\"");
     }

@@ -37,7 +37,8 @@ constexpr std::array<std::pair<std::string_view, std::string_view>, 8> kSymbols 
 /// One key, on its way down into the tables.
 struct Way {
   std::string_view whole;
-  double value = 0.0;
+  double value = 0.0;  ///< the number, or what it is multiplied by
+  bool factor = false;
   bool done = false;
   std::optional<Error> error = std::nullopt;
 
@@ -55,15 +56,18 @@ class NumberSetter {
   NumberSetter(T& object, std::string_view path, Way& way) : object_(object), way_(way) {
     const std::size_t dot = path.find('.');
     rest_ = dot == std::string_view::npos ? std::string_view() : path.substr(dot + 1);
-    name_ = path.substr(0, dot);
-    if (const std::size_t bracket = name_.find('['); bracket != std::string_view::npos) {
-      const std::string_view index = name_.substr(bracket + 1);
-      std::size_t number = 0;
-      const auto [end, code] = std::from_chars(index.data(), index.data() + index.size(), number);
-      if (code == std::errc() && end + 1 == index.data() + index.size() && *end == ']') {
-        index_ = number;
-        name_ = name_.substr(0, bracket);
+    const std::string_view part = path.substr(0, dot);
+    name_ = part.substr(0, part.find('['));
+    for (std::string_view rest = part.substr(name_.size()); !rest.empty();) {  // [2][0]
+      std::size_t index = 0;
+      const auto [end, code] = std::from_chars(rest.data() + 1, rest.data() + rest.size(), index);
+      if (rest[0] != '[' || code != std::errc() || end == rest.data() + rest.size() || *end != ']') {
+        name_ = part;  // which is no key
+        indices_.clear();
+        return;
       }
+      indices_.push_back(index);
+      rest.remove_prefix(static_cast<std::size_t>(end + 1 - rest.data()));
     }
   }
 
@@ -78,36 +82,99 @@ class NumberSetter {
 
   template <class Member>
   void number(const char* key, Member member, const Limits& limits, const char*, Need = Need::kOptional) {
-    if (is(key) && allowed(limits)) {
-      set(std::invoke(member, object_), way_.value);
+    if (is(key)) {
+      change(std::invoke(member, object_), limits);
     }
   }
   template <class Member>
   void integer(const char* key, Member member, int min, int max, const char*, Need = Need::kOptional) {
-    if (is(key) && whole(min, max)) {
-      set(std::invoke(member, object_), static_cast<int>(way_.value));
+    if (is(key)) {
+      auto& number = std::invoke(member, object_);
+      const double wanted = changed(static_cast<double>(number));
+      if (whole(wanted, min, max)) {
+        number = static_cast<int>(wanted);
+        way_.done = true;
+      }
     }
   }
   template <class Member>
   void range(const char* key, Member member, const Limits& limits, const char*) {
-    if (is(key) && allowed(limits)) {
-      set(std::invoke(member, object_), Range{way_.value, way_.value});
+    if (is(key)) {
+      auto& range = std::invoke(member, object_);
+      change_all({&range[0], &range[1]}, limits);
     }
   }
   template <class Member>
   void whole_range(const char* key, Member member, int min, int max, const char*) {
-    if (is(key) && whole(min, max)) {
-      const int value = static_cast<int>(way_.value);
-      set(std::invoke(member, object_), std::array<int, 2>{value, value});
+    if (is(key)) {
+      auto& range = std::invoke(member, object_);
+      const double from = changed(range[0]);
+      const double to = changed(range[1]);
+      if (whole(from, min, max) && whole(to, min, max)) {
+        range = {static_cast<int>(from), static_cast<int>(to)};
+        way_.done = true;
+      }
+    }
+  }
+  template <class Member>
+  void numbers(const char* key, Member member, const Limits& limits, Count, const char*, Need = Need::kOptional) {
+    if (is_list(key, 1)) {
+      auto& list = std::invoke(member, object_);
+      if (!indices_.empty()) {
+        if (double* number = element(key, list, indices_[0])) {
+          change(*number, limits);
+        }
+      } else {
+        std::vector<double*> all;
+        for (double& number : list) {
+          all.push_back(&number);
+        }
+        change_all(all, limits);
+      }
     }
   }
   template <class Member>
   void points(const char* key, Member member, const PointsRule& rule, const char*, Need = Need::kOptional) {
-    if (!rule.ascending) {
-      return not_a_number(key);
+    if (rule.ascending && is(key) && !way_.factor) {
+      if (allowed(way_.value, rule.y)) {
+        std::invoke(member, object_) = std::vector<Vec2>{{0.0, way_.value}, {1.0, way_.value}};
+        way_.done = true;
+      }
+    } else if (is_list(key, 2)) {
+      auto& list = std::invoke(member, object_);
+      if (!indices_.empty()) {
+        if (Vec2* point = element(key, list, indices_[0]); point != nullptr && coordinate(key, 2)) {
+          indices_[1] == 0 ? change(point->x, rule.x) : change(point->y, rule.y);
+        }
+      } else {
+        std::vector<double*> xs;
+        std::vector<double*> ys;
+        for (Vec2& point : list) {
+          xs.push_back(&point.x);
+          ys.push_back(&point.y);
+        }
+        if (rule.ascending) {  // a function keeps its times, a curve grows as a whole
+          change_all(ys, rule.y);
+        } else if (all_allowed(ys, rule.y)) {
+          if (change_all(xs, rule.x)) {
+            change_all(ys, rule.y);
+          }
+        }
+      }
     }
-    if (is(key) && allowed(rule.y)) {
-      set(std::invoke(member, object_), std::vector<Vec2>{{0.0, way_.value}, {1.0, way_.value}});
+  }
+  template <class Member>
+  void vector(const char* key, Member member, const Limits& limits, const char*) {
+    if (is_list(key, 1)) {
+      Vec3& vector = std::invoke(member, object_);
+      const std::array<double*, 3> parts = {&vector.x, &vector.y, &vector.z};
+      if (indices_.empty()) {
+        change_all({parts.begin(), parts.end()}, limits);
+      } else if (indices_[0] < parts.size()) {
+        change(*parts[indices_[0]], limits);
+      } else {
+        way_.fail(ErrorCode::kInvalidParameter, "must end in [0], [1] or [2]");
+      }
     }
   }
   template <class Member>
@@ -130,11 +197,9 @@ class NumberSetter {
   void list(const char* key, Member member, Count, const char*, Need = Need::kOptional) {
     if (leads_to(key)) {
       auto& elements = std::invoke(member, object_);
-      if (!index_ || *index_ >= elements.size()) {
-        return way_.fail(ErrorCode::kInvalidParameter,
-                         "must be that of one of " + std::to_string(elements.size()) + " " + key + ": " + key + "[0]");
+      if (auto* found = element(key, elements, indices_.size() == 1 ? indices_[0] : elements.size())) {
+        descend(*found);
       }
-      descend(elements[*index_]);
     }
   }
   template <class Member>
@@ -154,9 +219,7 @@ class NumberSetter {
   template <class... R> void text(const char* key, R&&...) { not_a_number(key); }
   template <class... R> void name(const char* key, R&&...) { not_a_number(key); }
   template <class... R> void choice(const char* key, R&&...) { not_a_number(key); }
-  template <class... R> void vector(const char* key, R&&...) { not_a_number(key); }
   template <class... R> void flag(const char* key, R&&...) { not_a_number(key); }
-  template <class... R> void numbers(const char* key, R&&...) { not_a_number(key); }
   template <class... R> void colour(const char* key, R&&...) { not_a_number(key); }
   template <class... R> void stops(const char* key, R&&...) { not_a_number(key); }
   template <class... R> void sections(const char* one, const char* many, R&&...) { not_a_number(one), not_a_number(many); }
@@ -164,9 +227,26 @@ class NumberSetter {
   // clang-format on
 
  private:
+  /// Whether the key itself is meant.
   bool is(const char* key) {
     keys_.emplace_back(key);
-    return name_ == key && rest_.empty() && !index_;
+    return name_ == key && rest_.empty() && indices_.empty();
+  }
+  /// Whether a number in its list of so many dimensions is meant, or all of them and a factor.
+  bool is_list(const char* key, std::size_t dimensions) {
+    keys_.emplace_back(key);
+    if (name_ != key || !rest_.empty() || way_.done || way_.error) {
+      return false;
+    }
+    if (indices_.size() == dimensions || (indices_.empty() && way_.factor)) {
+      return true;
+    }
+    std::string example = key;
+    for (std::size_t i = 0; i < dimensions; ++i) {
+      example += "[0]";
+    }
+    way_.fail(ErrorCode::kInvalidParameter, "must be a number, which this key is not; " + example + " is one");
+    return false;
   }
   bool leads_to(const char* key) {
     keys_.emplace_back(key);
@@ -177,25 +257,53 @@ class NumberSetter {
       way_.fail(ErrorCode::kInvalidParameter, "must be a number, which this key is not");
     }
   }
-  bool allowed(const Limits& limits) {
-    if (limits.allow(way_.value)) {
+  template <class Element>
+  Element* element(const char* key, std::vector<Element>& elements, std::size_t index) {
+    if (index < elements.size()) {
+      return &elements[index];
+    }
+    way_.fail(ErrorCode::kInvalidParameter,
+              "must be that of one of " + std::to_string(elements.size()) + " " + key + ": " + key + "[0]");
+    return nullptr;
+  }
+  bool coordinate(const char* key, std::size_t count) {
+    if (indices_[1] < count) {
       return true;
     }
-    way_.fail(ErrorCode::kInvalidParameter, species_table::rule_text(limits) + ", got " + to_text(way_.value));
+    way_.fail(ErrorCode::kInvalidParameter,
+              "must end in [0] or [1]: " + std::string(key) + "[" + std::to_string(indices_[0]) + "][0]");
     return false;
   }
-  bool whole(int min, int max) {
-    if (way_.value == std::trunc(way_.value) && way_.value >= min && way_.value <= max) {
+  double changed(double number) const { return way_.factor ? number * way_.value : way_.value; }
+  bool allowed(double value, const Limits& limits) {
+    if (limits.allow(value)) {
+      return true;
+    }
+    way_.fail(ErrorCode::kInvalidParameter, species_table::rule_text(limits) + ", got " + to_text(value));
+    return false;
+  }
+  bool whole(double value, int min, int max) {
+    if (value == std::trunc(value) && value >= min && value <= max) {
       return true;
     }
     way_.fail(ErrorCode::kInvalidParameter, "must be a whole number in [" + std::to_string(min) + ", " +
-                                                std::to_string(max) + "], got " + to_text(way_.value));
+                                                std::to_string(max) + "], got " + to_text(value));
     return false;
   }
-  template <class Field, class Value>
-  void set(Field& field, const Value& value) {
-    field = value;
+  void change(double& number, const Limits& limits) { change_all({&number}, limits); }
+  bool all_allowed(const std::vector<double*>& numbers, const Limits& limits) {
+    return std::all_of(numbers.begin(), numbers.end(), [&](double* n) { return allowed(changed(*n), limits); });
+  }
+  /// All or none.
+  bool change_all(const std::vector<double*>& numbers, const Limits& limits) {
+    if (!all_allowed(numbers, limits)) {
+      return false;
+    }
+    for (double* number : numbers) {
+      *number = changed(*number);
+    }
     way_.done = true;
+    return true;
   }
   template <class Part>
   void descend(Part& part) {
@@ -205,10 +313,17 @@ class NumberSetter {
   T& object_;
   Way& way_;
   std::string_view name_;  ///< first part of the path
-  std::optional<std::size_t> index_;
+  std::vector<std::size_t> indices_;
   std::string_view rest_;
   std::vector<std::string_view> keys_;
 };
+
+std::optional<Error> change_number(Species& species, std::string_view key, double value, bool factor) {
+  const std::string whole = whole_key(key);
+  Way way{whole, value, factor};
+  NumberSetter<Species>(species, whole, way).run();
+  return way.error;
+}
 
 }  // namespace
 
@@ -226,10 +341,11 @@ std::string whole_key(std::string_view key) {
 }
 
 std::optional<Error> set_number(Species& species, std::string_view key, double value) {
-  const std::string whole = whole_key(key);
-  Way way{whole, value};
-  NumberSetter<Species>(species, whole, way).run();
-  return way.error;
+  return change_number(species, key, value, false);
+}
+
+std::optional<Error> scale_number(Species& species, std::string_view key, double factor) {
+  return change_number(species, key, factor, true);
 }
 
 }  // namespace anthesis

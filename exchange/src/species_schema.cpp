@@ -97,8 +97,8 @@ class SchemaWriter {
     put(key, schema_pair(number, number), meaning, Need::kOptional, member);
   }
   void preset(const char* like, const char* source, const std::string& meaning) {
-    put(like, {{"type", "string"}, {"enum", species_table::kVeinModels}}, meaning, Need::kOptional);
-    put(source, {{"type", "string"}, {"enum", species_table::kVeinSources}, {"default", "as_published"}}, meaning,
+    put(like, {{"type", "string"}, {"enum", kHeadModelNames}}, meaning, Need::kOptional);
+    put(source, {{"type", "string"}, {"enum", kVeinSourceNames}, {"default", "as_published"}}, meaning,
         Need::kOptional);
   }
   template <class Member>

@@ -88,10 +88,6 @@ inline constexpr std::array kDeviationRules = {"uniform", "projected"};
 inline constexpr std::array kReticulationRules = {"none", "least_resistance", "oldest_neighbour"};
 inline constexpr std::array kDiameterRules = {"murray", "murray_by_kind"};
 
-/// Whose parameters a table of veins begins with.
-inline constexpr std::array kVeinModels = {"bellis", "sunflower", "gerbera"};
-inline constexpr std::array kVeinSources = {"paper", "as_published"};
-
 enum class Need { kOptional, kRequired };
 enum class Layout { kOwnTable, kInline };  ///< [head.fate] or variation = { ... }
 

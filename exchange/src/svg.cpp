@@ -1,7 +1,6 @@
 #include "anthesis/exchange/svg.h"
 
 #include <algorithm>
-#include <charconv>
 #include <cmath>
 
 #include "anthesis/base/math.h"
@@ -21,35 +20,12 @@ using detail::kInk;
 using detail::line;
 using detail::open_svg;
 using detail::px;
+using detail::short_text;
 using detail::text_at;
 
 // Okabe and Ito's palette: told apart by the colour-blind, and in print.
 constexpr std::array<const char*, 8> kKindColours = {"#E69F00", "#009E73", "#56B4E9", "#CC79A7",
                                                      "#F0E442", "#0072B2", "#D55E00", "#999999"};
-
-/// The shortest text of a tick value: 0.30000000000000004 is not one.
-std::string tick_text(double value) {
-  char digits[64];
-  const std::to_chars_result end = std::to_chars(digits, digits + sizeof(digits), value, std::chars_format::general, 6);
-  return std::string(digits, end.ptr);
-}
-
-/// The smallest of 1, 2, 5 times a power of ten that is not below `value`, which is finite and > 0.
-double round_up(double value) {
-  double power = 1.0;
-  while (power > value) {
-    power /= 10.0;
-  }
-  while (10.0 * power <= value) {
-    power *= 10.0;
-  }
-  for (const double factor : {1.0, 2.0, 5.0, 10.0}) {
-    if (factor * power >= value * (1.0 - 1e-9)) {
-      return factor * power;
-    }
-  }
-  return value;
-}
 
 bool finite(const PlanDisc& disc) {
   return std::isfinite(disc.centre_mm.x) && std::isfinite(disc.centre_mm.y) && std::isfinite(disc.radius_mm) &&
@@ -184,10 +160,10 @@ std::string plan_svg(const Plan& plan) {
   }
 
   if (reach_mm > 0.0) {
-    const double bar_mm = round_up(reach_mm / 6.0);
+    const double bar_mm = math::round_up_to_125(reach_mm / 6.0);
     const double bar_y = kTop + kSide + 22.0;
     line(svg, kMargin, bar_y, kMargin + scale * bar_mm, bar_y, kInk, 2.0);
-    text_at(svg, kMargin + scale * bar_mm + 8.0, bar_y + 4.0, 12.0, "start", kInk, tick_text(bar_mm) + " mm");
+    text_at(svg, kMargin + scale * bar_mm + 8.0, bar_y + 4.0, 12.0, "start", kInk, short_text(bar_mm) + " mm");
   }
   text_at(svg, kMargin, kHeight - 14.0, 11.0, "start", kFaint, plan.caption);
   svg += "</svg>\n";
@@ -234,8 +210,8 @@ std::string step_plot_svg(const StepPlot& plot) {
     x_min -= 0.5;
     x_max += 0.5;
   }
-  const double x_step = round_up((x_max - x_min) / 10.0);
-  const double y_step = round_up(y_max / 8.0);
+  const double x_step = math::round_up_to_125((x_max - x_min) / 10.0);
+  const double y_step = math::round_up_to_125(y_max / 8.0);
   y_max = y_step * std::ceil(1.02 * y_max / y_step);
   const auto x_of = [&](double x) { return kLeft + (x - x_min) / (x_max - x_min) * (kRight - kLeft); };
   const auto y_of = [&](double y) { return kBottom - y / y_max * (kBottom - kTop); };
@@ -254,7 +230,7 @@ std::string step_plot_svg(const StepPlot& plot) {
     const double y = y_of(guide);
     line(svg, kLeft, y, kRight, y, kFaint, 0.8, attribute("stroke-dasharray", "5 4"));
     if (last_label_y - y >= 11.0) {  // labels of the first few would lie on one another
-      text_at(svg, kRight + 6.0, y + 4.0, 11.0, "start", kFaint, tick_text(guide));
+      text_at(svg, kRight + 6.0, y + 4.0, 11.0, "start", kFaint, short_text(guide));
       last_label_y = y;
     }
   }
@@ -265,12 +241,12 @@ std::string step_plot_svg(const StepPlot& plot) {
   for (double k = std::ceil(x_min / x_step - 1e-9); k * x_step <= x_max + 1e-9 * x_step; k += 1.0) {
     const double x = x_of(k * x_step);
     line(svg, x, kBottom, x, kBottom + 5.0, kInk, 1.0);
-    text_at(svg, x, kBottom + 20.0, 12.0, "middle", kInk, tick_text(k * x_step));
+    text_at(svg, x, kBottom + 20.0, 12.0, "middle", kInk, short_text(k * x_step));
   }
   for (double k = 0.0; k * y_step <= y_max * (1.0 + 1e-9); k += 1.0) {
     const double y = y_of(k * y_step);
     line(svg, kLeft - 5.0, y, kLeft, y, kInk, 1.0);
-    text_at(svg, kLeft - 9.0, y + 4.0, 12.0, "end", kInk, tick_text(k * y_step));
+    text_at(svg, kLeft - 9.0, y + 4.0, 12.0, "end", kInk, short_text(k * y_step));
   }
   text_at(svg, 0.5 * (kLeft + kRight), kBottom + 44.0, 14.0, "middle", kInk, plot.x_label);
   const double y_centre = 0.5 * (kTop + kBottom);

@@ -15,6 +15,19 @@ void append_number(std::string& text, Number value) {
   text.append(digits, end.ptr);
 }
 
+/// Appends the shortest text of six significant digits, as C's %g: "0.3" for 0.30000000000000004.
+inline void append_short(std::string& text, double value) {
+  char digits[32];
+  const std::to_chars_result end = std::to_chars(digits, digits + sizeof(digits), value, std::chars_format::general, 6);
+  text.append(digits, end.ptr);
+}
+
+inline std::string short_text(double value) {
+  std::string text;
+  append_short(text, value);
+  return text;
+}
+
 /// Appends the pieces one after the other: text as it is, numbers by append_number.
 template <class... Pieces>
 void append(std::string& text, const Pieces&... pieces) {

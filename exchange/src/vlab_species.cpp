@@ -101,41 +101,30 @@ void add_kind(Species& species, const std::string& name, Colour colour) {
 
 // ---- heads that grow ------------------------------------------------------------------------------------------------
 
-/// What the programs of O24 state of each of its heads, and their files do not.
-struct HeadConstants {
-  std::string_view name;
-  VeinParams (*veins)(VeinSource);
-  double scale_mm = 15.0;       ///< a unit of the files, where heads have the sizes of O24's tables
-  double threshold = 1.0;       ///< factor of the function thresholdDistanceFunc
-  double threshold_pace = 1.0;  ///< factor of its time
-  int bract_landmark = 0;
-  int trans_landmark = 0;
-  double last_ring = 0.0025;
-};
-
 constexpr double kRounding = 0.0005;  // mean of what O24's programs take off a primordium's place in the tissue
 constexpr double kFirstThreshold = 3.5 * math::kPi / 100.0;  // in units of the files
 
-constexpr std::array<HeadConstants, 3> kHeads = {{
-    {.name = "bellis",
-     .veins = bellis_veins,
-     .scale_mm = 15.0,
-     .threshold = kFirstThreshold,
-     .bract_landmark = 3,
-     .last_ring = 0.01},
-    {.name = "sunflower",
-     .veins = sunflower_veins,
-     .scale_mm = 10.0,
-     .threshold = 0.45 * kFirstThreshold,
-     .threshold_pace = 2.0,
-     .bract_landmark = 8},
-    {.name = "gerbera",
-     .veins = gerbera_veins,
-     .scale_mm = 15.0,
-     .threshold = kFirstThreshold,
-     .bract_landmark = 6,
-     .trans_landmark = 11},
-}};
+/// What the programs of O24 state of each of its heads, and their files do not; as it stands here for other heads.
+struct HeadConstants {
+  double threshold = kFirstThreshold;  ///< factor of the function thresholdDistanceFunc
+  double threshold_pace = 1.0;         ///< factor of its time
+  int bract_landmark = 0;
+  int trans_landmark = 0;
+  double last_ring = 0.0025;
+  double scale_mm = 0.0;  ///< a unit of the files, where heads have the sizes of O24's tables
+};
+
+HeadConstants constants_of(HeadModel model) {
+  switch (model) {
+    case HeadModel::kBellis:
+      return {.bract_landmark = 3, .last_ring = 0.01, .scale_mm = 15.0};
+    case HeadModel::kSunflower:
+      return {.threshold = 0.45 * kFirstThreshold, .threshold_pace = 2.0, .bract_landmark = 8, .scale_mm = 10.0};
+    case HeadModel::kGerbera:
+      break;
+  }
+  return {.bract_landmark = 6, .trans_landmark = 11, .scale_mm = 15.0};
+}
 
 /// Files of VLab state six digits after the point; more than nine here would be noise.
 double rounded(double value) {
@@ -159,11 +148,9 @@ Expected<Species> growing_head(std::string_view name, const VlabObject& object, 
   if (!head) {
     return unexpected(head.error());
   }
-  const HeadConstants* known = scale.like ? &kHeads[static_cast<std::size_t>(*scale.like)] : nullptr;
-  const HeadConstants constants = known != nullptr ? *known : HeadConstants{.name = name, .veins = nullptr};
-  const double unit_mm = known != nullptr
-                             ? known->scale_mm
-                             : 0.5 * scale.width_mm / widest(head->sections.back().profile.controls, kDegree);
+  const HeadConstants constants = scale.like ? constants_of(*scale.like) : HeadConstants{};
+  const double unit_mm =
+      scale.like ? constants.scale_mm : 0.5 * scale.width_mm / widest(head->sections.back().profile.controls, kDegree);
   Species species = bare_species(name);
   species.head.rule = PlacementRule::kActiveRing;
   species.collisions = false;  // beads of the size of their places
@@ -179,14 +166,13 @@ Expected<Species> growing_head(std::string_view name, const VlabObject& object, 
   if (threshold == nullptr) {
     return unexpected(invalid_parameter("functions", "must hold one named thresholdDistanceFunc", "none"));
   }
-  auto threshold_mm = scaled(*threshold, 1.0 / constants.threshold_pace,
-                             unit_mm * (known != nullptr ? constants.threshold : kFirstThreshold));
+  auto threshold_mm = scaled(*threshold, 1.0 / constants.threshold_pace, unit_mm * constants.threshold);
   if (!threshold_mm) {
     return unexpected(threshold_mm.error());
   }
   ring.threshold_mm = std::move(*threshold_mm);
   ring.last_ring = constants.last_ring;
-  ring.lag = known != nullptr ? kRounding : 0.0;
+  ring.lag = scale.like ? kRounding : 0.0;
   const int landmarks = static_cast<int>(ring.sections.back().landmarks.size());
   const auto had = [&](int landmark) { return landmark <= landmarks ? landmark : 0; };  // heads of other people
   ring.bract_landmark = had(constants.bract_landmark);
@@ -197,9 +183,9 @@ Expected<Species> growing_head(std::string_view name, const VlabObject& object, 
   add_kind(species, ring.trans_floret, {0.8, 0.75, 0.6});
   ring.bract = "bract";
   add_kind(species, ring.bract, {0.2, 0.4, 0.08});
-  if (known != nullptr) {
+  if (scale.like) {
     HeadVeins& veins = species.vasculature.emplace();
-    veins.params = known->veins(scale.source);
+    veins.params = vein_params(*scale.like, scale.source);
     if (const VlabFunction* pace = object.find_function("output_dalpha")) {
       auto points = scaled(*pace, 1.0, 1.0);
       if (!points) {
@@ -233,10 +219,6 @@ bool has_markers(const std::vector<VlabContour>& contours) {
 }
 
 }  // namespace
-
-std::string_view vlab_head_model_name(VlabHeadModel model) {
-  return kHeads[static_cast<std::size_t>(model)].name;
-}
 
 bool is_vlab_head_file(std::string_view file_name) {
   for (const std::string_view end : {".con", ".cset", ".func", ".fset", "knotPositions.dat"}) {

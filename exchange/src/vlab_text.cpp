@@ -35,12 +35,6 @@ void append_fixed(std::string& text, double value) {
   text.append(digits, end.ptr);
 }
 
-void append_short(std::string& text, double value) {
-  char digits[32];
-  const std::to_chars_result end = std::to_chars(digits, digits + sizeof(digits), value, std::chars_format::general, 6);
-  text.append(digits, end.ptr);
-}
-
 bool VlabText::fits(std::size_t limit) {
   return text_.size() <= limit ||
          fail_at({}, "file",

@@ -75,8 +75,7 @@ class VlabText {
 /// "got" part of an error: the value, cut short, on one line.
 std::string shown_value(std::string_view value);
 
-/// `value` as C's %f and %g write it: six digits after the point, six digits in all.
+/// `value` as C's %f writes it, with six digits after the point; text.h has %g.
 void append_fixed(std::string& text, double value);
-void append_short(std::string& text, double value);
 
 }  // namespace anthesis::detail

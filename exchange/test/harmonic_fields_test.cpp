@@ -204,10 +204,10 @@ TEST(VlabContourSequence, GivesThePublishedBytes) {
 
 TEST(VlabPrimordia, TakesTheMomentAndTheCodesAskedFor) {
   std::vector<RingPrimordium> primordia(2);
-  primordia[0].born = {.step = 1, .time = 0.0005, .s = 0.75, .azimuth_rad = 3.0, .kind = HeadOrganKind::kBract};
-  primordia[0].stable = {.step = 9, .time = 0.0045, .s = 0.75, .azimuth_rad = 3.5, .kind = HeadOrganKind::kBract};
-  primordia[1].born = {.step = 2, .time = 0.001, .s = 0.5, .azimuth_rad = 1.0, .kind = HeadOrganKind::kTrans};
-  primordia[1].stable = {.step = 0, .time = 0.0025, .s = 0.5, .azimuth_rad = 1.5, .kind = HeadOrganKind::kDisc};
+  primordia[0].born = {.step = 1, .time = 0.0005, .s = 0.75, .azimuth_rad = 3.0, .kind = PrimordiumKind::kBract};
+  primordia[0].stable = {.step = 9, .time = 0.0045, .s = 0.75, .azimuth_rad = 3.5, .kind = PrimordiumKind::kBract};
+  primordia[1].born = {.step = 2, .time = 0.001, .s = 0.5, .azimuth_rad = 1.0, .kind = PrimordiumKind::kTransFloret};
+  primordia[1].stable = {.step = 0, .time = 0.0025, .s = 0.5, .azimuth_rad = 1.5, .kind = PrimordiumKind::kFloret};
   EXPECT_EQ(write_vlab_primordia(vlab_primordia(primordia, VlabPrimordiaMoment::kInitial)),
             "00002\n0 1 0.75 3 1\n1 2 0.5 1 0\n");
   EXPECT_EQ(write_vlab_primordia(vlab_primordia(primordia, VlabPrimordiaMoment::kStable)),

@@ -38,8 +38,9 @@ std::vector<RingPrimordium> run(PublishedPattern pattern, SectionLookup lookup, 
 
 /// Bracts and florets by their kind when they became stable, as the paper counts them.
 std::array<double, 2> counts(const std::vector<RingPrimordium>& primordia) {
-  const auto bracts = std::count_if(primordia.begin(), primordia.end(),
-                                    [](const RingPrimordium& one) { return one.stable.kind == HeadOrganKind::kBract; });
+  const auto bracts = std::count_if(primordia.begin(), primordia.end(), [](const RingPrimordium& one) {
+    return one.stable.kind == PrimordiumKind::kBract;
+  });
   return {static_cast<double>(bracts), static_cast<double>(primordia.size()) - static_cast<double>(bracts)};
 }
 

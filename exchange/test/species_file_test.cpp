@@ -7,6 +7,7 @@
 #include <nlohmann/json.hpp>
 #include <string>
 
+#include "anthesis/base/random.h"
 #include "anthesis/base/sha256.h"
 
 namespace anthesis {
@@ -255,6 +256,39 @@ TEST(ReadSpecies, GivesOneErrorForBytesThatAreNoText) {
     EXPECT_THAT(message, HasSubstr("is not TOML"));
     for (const char c : message) {
       EXPECT_GE(static_cast<unsigned char>(c), 0x20);
+    }
+  }
+}
+
+TEST(ReadSpecies, GivesOneErrorForNumbersAndBracketsGoneWrong) {
+  // Some fail assertions of the parser underneath, which must not stop a program (seen in builds that have them).
+  for (const char* text :
+       {"a = 1e",   "a = 0x",     "a = 0b2",   "a = 1_",    "a = +_1",      "a = 1__0", "a = 1.",   "a = .1",
+        "a = 1e+",  "a = +",      "a = inf_",  "a = 1e_5",  "a = 00",       "a = 0x_",  "a = 0x1p", "a = 1979-",
+        "a = 07:3", "a = 1979-5", "a = [}",    "a = [",     "a = [}]xT1",   "a = {",    "a = {b",   "a = {b = 1,}",
+        "[.]",      "[}]",        "[=]",       "[[}]]",     "[a",           "[[a]",     "a.",       "a",
+        "=",        "a = \"",     "a = '''",   "a = \"\\u", "a = \"\\",     "a = 1 b",  "a = ]",    "]",
+        "}",        "a = ,",      "a = [1 2]", "a = #",     "a = 1e999999_"}) {
+    const std::string message = error_of(text);
+    EXPECT_THAT(message, StartsWith("daisy.toml:1:")) << text;
+    EXPECT_EQ(message.find('\n'), std::string::npos) << text;
+  }
+}
+
+TEST(ReadSpecies, GivesOneErrorOrASpeciesWhateverBytesAreChanged) {
+  constexpr std::string_view kBytes = "0123456789eExob_+-.:TZ infa,]}[{#\n\"'=\\\x80";
+  for (std::uint64_t run = 0; run < 400; ++run) {
+    std::string text = kDaisy;
+    Rng rng(1, run, RandomPurpose::kTest);
+    const auto below = [&](std::size_t count) {
+      return static_cast<std::size_t>(rng.uniform() * static_cast<double>(count));
+    };
+    for (std::size_t changes = 1 + below(4); changes > 0; --changes) {
+      text[below(text.size())] = kBytes[below(kBytes.size())];
+    }
+    const Expected<Species> species = read_species(text, "daisy.toml");
+    if (!species) {
+      EXPECT_THAT(to_string(species.error()), StartsWith("daisy.toml:"));
     }
   }
 }

@@ -53,6 +53,42 @@ TEST(SpeciesKey, MakesCoursesConstantAndRangesSingle) {
   EXPECT_EQ(species.vasculature->params.initials[2].delay_frames, (std::array{7, 7}));
 }
 
+TEST(SpeciesKey, ReachesNumbersWithinLists) {
+  Species species = head();
+  ActiveRing& ring = *species.head.active_ring;
+  EXPECT_EQ(message(set_number(species, "head.active_ring.sections[1].landmarks[2]", 0.25)), "no error");
+  EXPECT_EQ(ring.sections[1].landmarks[2], 0.25);
+  EXPECT_EQ(message(set_number(species, "head.active_ring.threshold_mm[1][1]", 0.125)), "no error");
+  EXPECT_EQ(ring.threshold_mm[1].y, 0.125);
+  EXPECT_EQ(message(set_number(species, "head.active_ring.sections[0].points[2][0]", 0.5)), "no error");
+  EXPECT_EQ(ring.sections[0].points[2].x, 0.5);
+  EXPECT_EQ(message(set_number(species, "organs." + species.organs[0].name + ".axis[2]", 2.0)), "no error");
+  EXPECT_EQ(species.organs[0].axis.z, 2.0);
+}
+
+TEST(SpeciesKey, ScalesNumbersListsAndTheValuesOfFunctions) {
+  const Species before = head();
+  Species species = before;
+  const ActiveRing& was = *before.head.active_ring;
+  const ActiveRing& ring = *species.head.active_ring;
+  EXPECT_EQ(message(scale_number(species, "mu_sec", 2.0)), "no error");
+  EXPECT_EQ(species.vasculature->params.sector_weight, 2.0 * before.vasculature->params.sector_weight);
+  EXPECT_EQ(message(scale_number(species, "head.active_ring.threshold_mm", 1.5)), "no error");
+  ASSERT_GT(ring.threshold_mm.size(), 2u);
+  for (std::size_t i = 0; i < ring.threshold_mm.size(); ++i) {
+    EXPECT_EQ(ring.threshold_mm[i], (Vec2{was.threshold_mm[i].x, 1.5 * was.threshold_mm[i].y}));
+  }
+  EXPECT_EQ(message(scale_number(species, "head.active_ring.sections[3].points", 0.5)), "no error");
+  for (std::size_t i = 0; i < ring.sections[3].points.size(); ++i) {
+    EXPECT_EQ(ring.sections[3].points[i], 0.5 * was.sections[3].points[i]);
+  }
+  EXPECT_EQ(message(scale_number(species, "ring_vertices", 2.0)), "no error");
+  EXPECT_EQ(species.vasculature->params.ring_vertices, 2 * before.vasculature->params.ring_vertices);
+  const std::array<int, 2> delay = before.vasculature->params.initials[0].delay_frames;
+  EXPECT_EQ(message(scale_number(species, "bract.delay_frames", 3.0)), "no error");
+  EXPECT_EQ(species.vasculature->params.initials[0].delay_frames, (std::array{3 * delay[0], 3 * delay[1]}));
+}
+
 TEST(SpeciesKey, RefusesWithTheRuleAndLeavesTheSpeciesAlone) {
   Species species = head();
   const std::string before = write_species(species);
@@ -66,6 +102,18 @@ TEST(SpeciesKey, RefusesWithTheRuleAndLeavesTheSpeciesAlone) {
   EXPECT_THAT(refused("organs.nobody.sink_mm", 0.5), HasSubstr("must be a key of one of the species' organs"));
   EXPECT_THAT(refused("head.fate.cone_deg", 0.5), HasSubstr("must be in a table that the species has, got none"));
   EXPECT_THAT(refused("", 0.5), HasSubstr("is not known"));
+  EXPECT_THAT(refused("head.active_ring.knots", 0.5), HasSubstr("is not; knots[0] is one"));
+  EXPECT_THAT(refused("head.active_ring.knots[99]", 0.5), HasSubstr("must be that of one of"));
+  EXPECT_THAT(refused("head.active_ring.knots[0", 0.5), HasSubstr("is not known"));
+  EXPECT_THAT(refused("head.active_ring.sections[1].points", 0.5), HasSubstr("is not; points[0][0] is one"));
+  EXPECT_THAT(refused("head.active_ring.sections[1].points[0]", 0.5), HasSubstr("is not; points[0][0] is one"));
+  EXPECT_THAT(refused("head.active_ring.sections[1].points[0][2]", 0.5), HasSubstr("must end in [0] or [1]"));
+  EXPECT_THAT(refused("head.active_ring.sections.points", 0.5), HasSubstr("must be that of one of"));
+  const auto scaled = [&](std::string_view key, double factor) { return message(scale_number(species, key, factor)); };
+  EXPECT_THAT(scaled("head.active_ring.threshold_mm", -1.0), HasSubstr("must be > 0"));
+  EXPECT_THAT(scaled("head.active_ring.sections[1].points", -1.0), HasSubstr("must be"));  // radii would be negative
+  EXPECT_THAT(scaled("ring_vertices", 0.501), HasSubstr("must be a whole number"));
+  EXPECT_THAT(scaled("join", 2.0), HasSubstr("must be a number, which this key is not"));
   EXPECT_EQ(write_species(species), before);
 }
 

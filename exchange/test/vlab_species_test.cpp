@@ -94,7 +94,8 @@ TEST(SpeciesFromVlab, AGrowingHeadKeepsItsStagesAndGrowsPrimordia) {
 }
 
 TEST(SpeciesFromVlab, AHeadLikeOneOfThePapersHasItsVeins) {
-  for (const VlabHeadModel model : {VlabHeadModel::kBellis, VlabHeadModel::kSunflower, VlabHeadModel::kGerbera}) {
+  for (const HeadModel model : {HeadModel::kBellis, HeadModel::kSunflower, HeadModel::kGerbera}) {
+    const std::string name = kHeadModelNames[static_cast<std::size_t>(model)];
     const Expected<Species> species =
         species_from_vlab("cap", read(cap()), {.like = model, .source = VeinSource::kPaper});
     ASSERT_TRUE(species.has_value()) << message(species);
@@ -102,10 +103,9 @@ TEST(SpeciesFromVlab, AHeadLikeOneOfThePapersHasItsVeins) {
     const std::string text = write_species(*species);
     const Expected<Species> again = read_species(text, "cap.toml");
     ASSERT_TRUE(again.has_value()) << message(again) << text;
-    EXPECT_EQ(write_species(*again), text) << vlab_head_model_name(model);
+    EXPECT_EQ(write_species(*again), text) << name;
     // A file that names the model and its source has the same parameters.
-    const std::string like =
-        "\n[vasculature]\nlike = \"" + std::string(vlab_head_model_name(model)) + "\"\nsource = \"paper\"\n";
+    const std::string like = "\n[vasculature]\nlike = \"" + name + "\"\nsource = \"paper\"\n";
     std::string shorter = text.substr(0, text.find("\n[vasculature]\n")) + like;
     shorter += text.substr(text.find("\n[organs."));
     const Expected<Species> same = read_species(shorter, "cap.toml");
@@ -189,13 +189,13 @@ TEST(VlabReference, PublishedHeadsBecomeSpeciesWithAsManyOrgans) {
   ANTHESIS_NEEDS_REFERENCE();
   struct Published {
     const char* name;
-    VlabHeadModel model;
+    HeadModel model;
     double organs;
     double height_mm;  // Table SMD1
     double width_mm;
   };
-  for (const Published& published : {Published{"bellis", VlabHeadModel::kBellis, 367, 8.37, 7.19},
-                                     Published{"sunflower", VlabHeadModel::kSunflower, 497, 5.35, 12.79}}) {
+  for (const Published& published : {Published{"bellis", HeadModel::kBellis, 367, 8.37, 7.19},
+                                     Published{"sunflower", HeadModel::kSunflower, 497, 5.35, 12.79}}) {
     std::vector<VlabFile> files;
     for (const char* file : {"contours_markers.cset", "contours.cset", "knotPositions.dat", "functions.fset"}) {
       files.push_back({file, test::reference_file("heads/" + std::string(published.name) + '/' + file)});

@@ -301,10 +301,10 @@ std::vector<std::uint32_t> Development::State::decide_kinds(const Head& head, co
   const std::span<const Primordium> primordia = pattern.primordia();
   std::vector<std::uint32_t> kinds(mature.size());
   for (std::size_t i = 0; i < pattern.kinds().size(); ++i) {
-    const HeadOrganKind kind = pattern.kinds()[i];
-    kinds[i] = kind_named(kind == HeadOrganKind::kBract   ? head.active_ring->bract
-                          : kind == HeadOrganKind::kTrans ? head.active_ring->trans_floret
-                                                          : head.active_ring->floret);
+    const PrimordiumKind kind = pattern.kinds()[i];
+    kinds[i] = kind_named(kind == PrimordiumKind::kBract         ? head.active_ring->bract
+                          : kind == PrimordiumKind::kTransFloret ? head.active_ring->trans_floret
+                                                                 : head.active_ring->floret);
   }
   for (std::size_t i = 0; i < kinds.size(); ++i) {
     for (const Zone& zone : head.zones) {

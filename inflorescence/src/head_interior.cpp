@@ -8,6 +8,7 @@
 #include "anthesis/base/math.h"
 #include "anthesis/geometry/function_graph.h"
 #include "anthesis/vasculature/mean_value_growth.h"
+#include "head_pattern.h"
 
 namespace anthesis {
 namespace {
@@ -28,12 +29,6 @@ const HeadVeins& veins_of(const Species& species) {
 
 SectionLookup lookup_of(HeadRules rules) {
   return rules == HeadRules::kAsPublished ? SectionLookup::kAsPublished : SectionLookup::kExact;
-}
-
-PrimordiumKind vein_kind(HeadOrganKind kind) {
-  return kind == HeadOrganKind::kBract   ? PrimordiumKind::kBract
-         : kind == HeadOrganKind::kTrans ? PrimordiumKind::kTransFloret
-                                         : PrimordiumKind::kFloret;
 }
 
 Expected<Vasculature> within_harmonic(const Species& species, const ContourSequence& contours,
@@ -110,13 +105,7 @@ Expected<std::vector<RingPrimordium>> head_ring(const Species& species, HeadRule
   auto grown = rules == HeadRules::kAsPublished ? grow_active_ring_as_published(head, params, progress)
                                                 : grow_active_ring(head, params, progress);
   if (!grown) {
-    Error error = grown.error();
-    if (error.code == ErrorCode::kCancelled) {
-      return unexpected(std::move(error));
-    }
-    error.where = error.where == "threshold" ? "threshold_mm" : error.where;  // what it is called there
-    error.where = "head.active_ring" + (error.where.empty() ? error.where : "." + error.where);
-    return unexpected(std::move(error));
+    return unexpected(error_of_ring(grown.error(), "head.active_ring"));
   }
   return grown;
 }
@@ -139,7 +128,7 @@ std::vector<VeinPrimordium> head_primordia(const Species& species, std::span<con
   std::vector<VeinPrimordium> primordia;
   for (std::uint32_t id = 0; id < ring.size(); ++id) {
     const RingMoment& stable = ring[id].stable;
-    primordia.push_back({id, frame_of(stable), stable.s, stable.azimuth_rad, vein_kind(stable.kind)});
+    primordia.push_back({id, frame_of(stable), stable.s, stable.azimuth_rad, stable.kind});
   }
   std::stable_sort(primordia.begin(), primordia.end(),
                    [](const auto& a, const auto& b) { return a.birth_frame < b.birth_frame; });

@@ -161,13 +161,7 @@ Expected<RingPattern> follow_ring(const Head& head, std::size_t limit, const Pro
   RingPattern pattern{GrowingReceptacle(digitised_head(*head.active_ring)), {}, {}, {}};
   auto grown = grow_active_ring(pattern.head, params, progress);
   if (!grown) {
-    Error error = grown.error();
-    if (error.code == ErrorCode::kCancelled) {
-      return unexpected(std::move(error));
-    }
-    error.where = error.where == "threshold" ? "threshold_mm" : error.where;  // what it is called there
-    error.where = "active_ring" + (error.where.empty() ? error.where : "." + error.where);
-    return unexpected(std::move(error));
+    return unexpected(error_of_ring(grown.error(), "active_ring"));
   }
   pattern.ring = std::move(*grown);
   const std::vector<double> areas = mature_areas(pattern);
@@ -199,6 +193,14 @@ SurfaceOfRevolution surface_of(const GrownProfile& profile) {
 }
 
 }  // namespace
+
+Error error_of_ring(Error error, std::string_view table) {
+  if (error.code != ErrorCode::kCancelled) {
+    const std::string key = error.where == "threshold" ? "threshold_mm" : error.where;
+    error.where = std::string(table) + (key.empty() ? "" : ".") + key;
+  }
+  return error;
+}
 
 Expected<HeadPattern> HeadPattern::make(const Head& head, std::size_t limit, const Progress& progress) {
   if (grows_meristem(head.rule)) {
@@ -253,9 +255,9 @@ SurfaceOfRevolution HeadPattern::surface(double time) const {
   return surface_of(std::move(controls), fixed.bezier);
 }
 
-std::span<const HeadOrganKind> HeadPattern::kinds() const {
+std::span<const PrimordiumKind> HeadPattern::kinds() const {
   const auto* ring = std::get_if<RingPattern>(&pattern_);
-  return ring == nullptr ? std::span<const HeadOrganKind>() : ring->kinds;
+  return ring == nullptr ? std::span<const PrimordiumKind>() : ring->kinds;
 }
 
 std::vector<PrimordiumPlace> HeadPattern::places(double time, const SurfaceOfRevolution& surface) const {

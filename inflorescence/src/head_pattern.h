@@ -1,5 +1,6 @@
 #pragma once
 #include <span>
+#include <string_view>
 #include <variant>
 #include <vector>
 
@@ -29,7 +30,7 @@ struct RingPattern {
   GrowingReceptacle head;
   std::vector<RingPrimordium> ring;
   std::vector<Primordium> primordia;
-  std::vector<HeadOrganKind> kinds;
+  std::vector<PrimordiumKind> kinds;
 };
 
 /// The pattern of one head as a function of its own time, whatever the rule that places its organs.
@@ -42,7 +43,7 @@ class HeadPattern {
   SurfaceOfRevolution surface(double time) const;
 
   /// By primordium, where landmarks of the tissue decide it; empty where zones do.
-  std::span<const HeadOrganKind> kinds() const;
+  std::span<const PrimordiumKind> kinds() const;
 
   /// Of the primordia born by `time`, which are the first so many.
   std::vector<PrimordiumPlace> places(double time, const SurfaceOfRevolution& surface) const;
@@ -52,5 +53,8 @@ class HeadPattern {
       : pattern_(std::move(pattern)) {}
   std::variant<MeristemDynamics, FixedPattern, RingPattern> pattern_;
 };
+
+/// An error of grow_active_ring in the words of species files: `where` begins with the table's name.
+Error error_of_ring(Error error, std::string_view table);
 
 }  // namespace anthesis

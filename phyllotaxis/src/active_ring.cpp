@@ -537,14 +537,14 @@ std::optional<Error> check(const ActiveRingParams& params, const GrowingProfile&
   return std::nullopt;
 }
 
-HeadOrganKind kind_of(const GrowingProfile& profile, const ActiveRingParams& params, double time, double s) {
+PrimordiumKind kind_of(const GrowingProfile& profile, const ActiveRingParams& params, double time, double s) {
   if (params.bract_landmark > 0 && s > profile.landmark(time, params.bract_landmark)) {
-    return HeadOrganKind::kBract;
+    return PrimordiumKind::kBract;
   }
   if (params.trans_landmark > 0 && s > profile.landmark(time, params.trans_landmark)) {
-    return HeadOrganKind::kTrans;
+    return PrimordiumKind::kTransFloret;
   }
-  return HeadOrganKind::kDisc;
+  return PrimordiumKind::kFloret;
 }
 
 Expected<std::vector<RingPrimordium>> grow_active_ring(const GrowingProfile& profile, const ActiveRingParams& params,

@@ -157,13 +157,13 @@ TEST(ActiveRing, AThresholdThatJumpsFillsTheRing) {
 TEST(ActiveRing, KindsFollowTheLandmarks) {
   const GrowingDome dome;
   const ActiveRingParams params = dome_params();
-  EXPECT_EQ(kind_of(dome, params, 0.5, 0.7), HeadOrganKind::kBract);
-  EXPECT_EQ(kind_of(dome, params, 0.5, 0.6), HeadOrganKind::kTrans);
-  EXPECT_EQ(kind_of(dome, params, 0.5, 0.3), HeadOrganKind::kDisc);
-  EXPECT_EQ(kind_of(dome, ActiveRingParams{}, 0.5, 0.7), HeadOrganKind::kDisc);
+  EXPECT_EQ(kind_of(dome, params, 0.5, 0.7), PrimordiumKind::kBract);
+  EXPECT_EQ(kind_of(dome, params, 0.5, 0.6), PrimordiumKind::kTransFloret);
+  EXPECT_EQ(kind_of(dome, params, 0.5, 0.3), PrimordiumKind::kFloret);
+  EXPECT_EQ(kind_of(dome, ActiveRingParams{}, 0.5, 0.7), PrimordiumKind::kFloret);
   const std::vector<RingPrimordium> primordia = grown(params);
-  EXPECT_EQ(primordia.front().last.kind, HeadOrganKind::kBract);
-  EXPECT_EQ(primordia.back().last.kind, HeadOrganKind::kDisc);
+  EXPECT_EQ(primordia.front().last.kind, PrimordiumKind::kBract);
+  EXPECT_EQ(primordia.back().last.kind, PrimordiumKind::kFloret);
 }
 
 TEST(PublishedActiveRing, JumpingOverForbiddenAnglesGivesTheFullScan) {

@@ -50,19 +50,6 @@ Nearest nearest_place(std::span<const Vec2> line, Vec2 p) {
   return best;
 }
 
-/// Inside by the number of times that a ray outwards, away from the axis, meets contour and base.
-bool is_in_section(std::span<const Vec2> controls, Vec2 p) {
-  bool inside = false;
-  for (std::size_t i = 0; i + 1 < controls.size(); ++i) {
-    const Vec2 a = controls[i];
-    const Vec2 b = controls[i + 1];
-    if ((a.y > p.y) != (b.y > p.y) && (orient2d(a, b, p) > 0) == (b.y > a.y)) {
-      inside = !inside;
-    }
-  }
-  return inside;
-}
-
 /// Which triangles to look at for a point: a grid of cells with the triangles whose boxes meet them.
 class TriangleGrid {
  public:
@@ -78,7 +65,6 @@ class TriangleGrid {
     across_ = std::clamp<std::size_t>(static_cast<std::size_t>(extent.x / cell_size), 1, 4096);
     up_ = std::clamp<std::size_t>(static_cast<std::size_t>(extent.y / cell_size), 1, 4096);
     per_length_ = {static_cast<double>(across_) / extent.x, static_cast<double>(up_) / extent.y};
-    first_.assign(across_ * up_ + 1, 0);
     boxes_.resize(mesh.triangles.size());
     for (std::uint32_t t = 0; t < mesh.triangles.size(); ++t) {
       const Vec2 a = mesh.points[mesh.triangles[t][0]];
@@ -320,7 +306,11 @@ struct InteriorGrowth::State {
       const Vec2 b = mesh.points[mesh.triangles[t][1]];
       const Vec2 c = mesh.points[mesh.triangles[t][2]];
       const double area = cross(b - a, c - a);
-      const double of[3] = {cross(b - p, c - p) / area, cross(c - p, a - p) / area, cross(a - p, b - p) / area};
+      const double parts[3] = {cross(b - p, c - p), cross(c - p, a - p), cross(a - p, b - p)};
+      if (std::min({parts[0], parts[1], parts[2]}) < -2.0 * kBoundaryTolerance * area) {
+        continue;  // far outside: spares the divisions
+      }
+      const double of[3] = {parts[0] / area, parts[1] / area, parts[2] / area};
       const double least = std::min({of[0], of[1], of[2]});
       if (least > best) {
         triangle = t;

@@ -198,7 +198,7 @@ void LaplaceFactor::extend(const MeshEdges& edges, std::span<const double> weigh
 
 template void LaplaceFactor::extend<1>(const MeshEdges&, std::span<const double>, std::span<double>) const;
 template void LaplaceFactor::extend<2>(const MeshEdges&, std::span<const double>, std::span<double>) const;
-template void LaplaceFactor::extend<8>(const MeshEdges&, std::span<const double>, std::span<double>) const;
+template void LaplaceFactor::extend<kFieldBlock>(const MeshEdges&, std::span<const double>, std::span<double>) const;
 
 void SectionLaplacian::reset(const SectionMesh& mesh) {
   edges_.assign(mesh.triangles);
@@ -311,7 +311,7 @@ void SectionLaplacian::extend([[maybe_unused]] const SectionMesh& mesh, AxisCond
 
 template void SectionLaplacian::extend<1>(const SectionMesh&, AxisCondition, std::span<double>) const;
 template void SectionLaplacian::extend<2>(const SectionMesh&, AxisCondition, std::span<double>) const;
-template void SectionLaplacian::extend<8>(const SectionMesh&, AxisCondition, std::span<double>) const;
+template void SectionLaplacian::extend<kFieldBlock>(const SectionMesh&, AxisCondition, std::span<double>) const;
 
 void harmonic_weight_block(const SectionMesh& mesh, const SectionLaplacian& laplacian, std::size_t controls,
                            std::size_t block, std::span<double> weights) {

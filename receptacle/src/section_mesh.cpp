@@ -494,6 +494,19 @@ std::optional<Error> check_section(std::span<const Vec2> controls) {
   return std::nullopt;
 }
 
+bool is_in_section(std::span<const Vec2> controls, Vec2 p) {
+  // By the number of times that a ray outwards, away from the axis, meets contour and base.
+  bool inside = false;
+  for (std::size_t i = 0; i + 1 < controls.size(); ++i) {
+    const Vec2 a = controls[i];
+    const Vec2 b = controls[i + 1];
+    if ((a.y > p.y) != (b.y > p.y) && (orient2d(a, b, p) > 0) == (b.y > a.y)) {
+      inside = !inside;
+    }
+  }
+  return inside;
+}
+
 std::optional<Error> check(const SectionMeshParams& params) {
   if (!(params.max_edge >= 0.002 && params.max_edge <= 1.0)) {
     return invalid_parameter("max_edge", "must be between 0.002 and 1", params.max_edge);

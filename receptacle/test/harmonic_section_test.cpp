@@ -103,6 +103,17 @@ double area(std::span<const Vec2> polygon_points) {
   return 0.5 * twice;
 }
 
+TEST(SectionPolygon, HoldsWhatLiesBetweenTheAxisAndItsOutline) {
+  const std::vector<Vec2> ring = ring_sector(24);
+  for (const double angle : {0.0, 0.3, 0.8, 1.5}) {
+    const Vec2 direction{math::sin(angle), math::cos(angle)};
+    EXPECT_FALSE(is_in_section(ring, 0.9 * direction)) << angle;
+    EXPECT_TRUE(is_in_section(ring, 1.1 * direction)) << angle;
+    EXPECT_TRUE(is_in_section(ring, 1.9 * direction)) << angle;
+    EXPECT_FALSE(is_in_section(ring, 2.1 * direction)) << angle;
+  }
+}
+
 TEST(TriangulateSection, FillsTheSectionWithWellShapedTriangles) {
   const std::vector<Vec2> spindle{{0, 1}, {0.3, 0.6}, {0.05, 0.5}, {0.3, 0.4}, {0, 0}};
   for (const std::vector<Vec2>& controls : {unit_square(4), ring_sector(6), cushion(), spindle}) {

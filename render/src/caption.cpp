@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <vector>
 
 namespace anthesis {
 namespace {
@@ -35,13 +36,13 @@ constexpr Glyph kGlyphs[] = {
     {'Z', {31, 1, 2, 4, 8, 16, 31}},     {'[', {7, 4, 4, 4, 4, 4, 7}},        {']', {28, 4, 4, 4, 4, 4, 28}},
     {'_', {0, 0, 0, 0, 0, 0, 31}},       {'a', {0, 0, 14, 1, 15, 17, 15}},    {'b', {16, 16, 30, 17, 17, 17, 30}},
     {'c', {0, 0, 14, 17, 16, 17, 14}},   {'d', {1, 1, 15, 17, 17, 17, 15}},   {'e', {0, 0, 14, 17, 31, 16, 14}},
-    {'f', {6, 9, 8, 28, 8, 8, 8}},       {'g', {0, 15, 17, 17, 15, 1, 14}},   {'h', {16, 16, 30, 17, 17, 17, 17}},
+    {'f', {6, 9, 8, 28, 8, 8, 8}},       {'g', {0, 0, 15, 17, 15, 1, 14}},    {'h', {16, 16, 30, 17, 17, 17, 17}},
     {'i', {4, 0, 12, 4, 4, 4, 14}},      {'j', {2, 0, 6, 2, 2, 18, 12}},      {'k', {16, 16, 18, 20, 24, 20, 18}},
     {'l', {12, 4, 4, 4, 4, 4, 14}},      {'m', {0, 0, 26, 21, 21, 21, 21}},   {'n', {0, 0, 30, 17, 17, 17, 17}},
-    {'o', {0, 0, 14, 17, 17, 17, 14}},   {'p', {0, 30, 17, 17, 30, 16, 16}},  {'q', {0, 15, 17, 17, 15, 1, 1}},
+    {'o', {0, 0, 14, 17, 17, 17, 14}},   {'p', {0, 0, 30, 17, 30, 16, 16}},   {'q', {0, 0, 15, 17, 15, 1, 1}},
     {'r', {0, 0, 22, 25, 16, 16, 16}},   {'s', {0, 0, 15, 16, 14, 1, 30}},    {'t', {8, 8, 28, 8, 8, 9, 6}},
     {'u', {0, 0, 17, 17, 17, 19, 13}},   {'v', {0, 0, 17, 17, 17, 10, 4}},    {'w', {0, 0, 17, 21, 21, 21, 10}},
-    {'x', {0, 0, 17, 10, 4, 10, 17}},    {'y', {0, 17, 17, 17, 15, 1, 14}},   {'z', {0, 0, 31, 2, 4, 8, 31}}};
+    {'x', {0, 0, 17, 10, 4, 10, 17}},    {'y', {0, 0, 17, 17, 15, 1, 14}},    {'z', {0, 0, 31, 2, 4, 8, 31}}};
 
 const Glyph& glyph_of(char character) {
   const auto named = [](char c) { return [c](const Glyph& g) { return g.character == c; }; };
@@ -63,20 +64,15 @@ void fill(Image& image, int x, int y, int size, int margin, std::uint8_t value) 
   }
 }
 
-}  // namespace
-
-void write_caption(Image& image, std::string_view text) {
-  const int length = static_cast<int>(std::min<std::size_t>(text.size(), 10'000)) * kAdvance;
-  if (length == 0) {
-    return;
-  }
-  const int size = std::clamp(std::min(image.width / length, image.height / kPointsHigh), 1, 64);
-  const int left = std::max(0, (image.width - length * size) / 2);
-  const int top = image.height - (kRows + 3) * size;
+/// One line, `top` rows from the upper edge.
+void write_line(Image& image, std::string_view line, int top, int size) {
+  const std::size_t fits = static_cast<std::size_t>(image.width / (kAdvance * size));
+  line.remove_prefix(line.size() - std::min(line.size(), fits));
+  const int left = (image.width - static_cast<int>(line.size()) * kAdvance * size) / 2;
   for (const bool rim : {true, false}) {
-    for (std::size_t i = 0; i < text.size(); ++i) {
-      const Glyph& glyph = glyph_of(text[i]);
-      for (int row = 0; row < kRows && text[i] != ' '; ++row) {
+    for (std::size_t i = 0; i < line.size(); ++i) {
+      const Glyph& glyph = glyph_of(line[i]);
+      for (int row = 0; row < kRows && line[i] != ' '; ++row) {
         for (int column = 0; column < kColumns; ++column) {
           if ((glyph.rows[row] >> (kColumns - 1 - column) & 1) != 0) {
             const int x = left + (static_cast<int>(i) * kAdvance + column) * size;
@@ -85,6 +81,26 @@ void write_caption(Image& image, std::string_view text) {
         }
       }
     }
+  }
+}
+
+}  // namespace
+
+void write_caption(Image& image, std::string_view text) {
+  std::vector<std::string_view> lines;
+  std::size_t longest = 1;
+  while (!text.empty()) {
+    const std::size_t end = std::min(text.find('\n'), text.size());
+    lines.push_back(text.substr(0, end));
+    longest = std::max(longest, end);
+    text.remove_prefix(std::min(end + 1, text.size()));
+  }
+  const std::size_t fits = static_cast<std::size_t>(image.width) / (longest * kAdvance);
+  const int size = std::clamp(std::min(static_cast<int>(fits), image.height / kPointsHigh), 1, 64);
+  int top = image.height;
+  for (std::size_t i = lines.size(); i-- > 0;) {
+    top -= (kRows + 3) * size;
+    write_line(image, lines[i], top, size);
   }
 }
 

@@ -504,16 +504,7 @@ HeadExtent extent_of(std::span<const Vec2> outline_mm) {
 
 double scale_bar_mm(double framed_radius_mm) {
   ANTHESIS_ASSERT(framed_radius_mm > 0.0);
-  // Powers of ten by multiplication: they come out as written.
-  double power = 1.0;
-  while (power > 0.5 * framed_radius_mm) {
-    power /= 10.0;
-  }
-  while (10.0 * power <= 0.5 * framed_radius_mm) {
-    power *= 10.0;
-  }
-  const double times = 0.5 * framed_radius_mm / power;
-  return times >= 5.0 ? 5.0 * power : times >= 2.0 ? 2.0 * power : power;
+  return math::round_down_to_125(0.5 * framed_radius_mm);
 }
 
 Expected<Scene> make_scene(const Vasculature& veins, std::span<const Vec2> outline_mm,

@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <string>
 
 namespace anthesis {
@@ -34,6 +35,21 @@ TEST(Caption, IsWrittenInTheMiddleBelow) {
             "...#...#####.#...#..\n"
             "...#.........#...#..\n"
             "..###........#...#..\n");
+}
+
+TEST(Caption, ShowsTheEndOfALineThatIsTooLong) {
+  EXPECT_EQ(lit("a long name of a number 0.5", 20), lit("0.5", 20));
+}
+
+TEST(Caption, PutsTheLastOfSeveralLinesLowest) {
+  EXPECT_EQ(lit("1=0\n2=n", 20), lit("2=n", 20));
+  Image two = grey(20, 200);
+  write_caption(two, "1=0\n2=n");
+  Image one = grey(20, 200);
+  write_caption(one, "1=0");
+  // Ten rows above; the tenth has the rim of the line below.
+  const auto row = [](const Image& image, std::size_t y) { return image.bytes.begin() + 3 * 20 * y; };
+  EXPECT_TRUE(std::equal(row(one, 190), row(one, 199), row(two, 180)));
 }
 
 TEST(Caption, HasAFormForEveryLetterAndDigit) {

@@ -143,34 +143,4 @@ HeadGrowth mean_value_growth(OutlineSequence outlines) {
           }};
 }
 
-OutlineSequence outlines_at(const OutlineSequence& outlines, std::span<const double> times,
-                            std::span<const double> wanted) {
-  ANTHESIS_ASSERT(!times.empty() && times.size() == outlines.frames());
-  OutlineSequence result;
-  result.points_per_frame = outlines.points_per_frame;
-  result.points.reserve(wanted.size() * outlines.points_per_frame);
-  for (const double time : wanted) {
-    const auto after = static_cast<std::size_t>(std::upper_bound(times.begin(), times.end(), time) - times.begin());
-    const std::size_t a = after == 0 ? 0 : after - 1;
-    const std::size_t b = std::min(after, times.size() - 1);
-    const double share = times[a] < times[b] ? std::clamp((time - times[a]) / (times[b] - times[a]), 0.0, 1.0) : 0.0;
-    for (std::size_t i = 0; i < outlines.points_per_frame; ++i) {
-      result.points.push_back(lerp(outlines.frame(a)[i], outlines.frame(b)[i], share));
-    }
-  }
-  return result;
-}
-
-OutlineSequence outlines_of_frames(OutlineSequence outlines, std::span<const double> times, FrameClock clock,
-                                   double step) {
-  if (clock == FrameClock::kAsPublished) {
-    return outlines;
-  }
-  std::vector<double> wanted(outlines.frames());
-  for (std::size_t f = 0; f < wanted.size(); ++f) {
-    wanted[f] = std::min(1.0, step * static_cast<double>(f));
-  }
-  return outlines_at(outlines, times, wanted);
-}
-
 }  // namespace anthesis

@@ -180,11 +180,16 @@ Vec3 VeinGrowth::moved(const Motion& motion, std::uint32_t frame) const {
   return lerp(motion.from, motion.goal, share);
 }
 
-void VeinGrowth::go_to(std::uint32_t frame) {
-  for (std::uint32_t v = 0; v < network_.size(); ++v) {
-    network_.position[v] = moved(motions_[v], frame);
-    network_.age[v] += static_cast<int>(frame - frame_);
+/// Takes the vertices from the present frame to a later one of the stride.
+void VeinGrowth::advance(VeinNetwork& network, std::uint32_t frame) const {
+  for (std::uint32_t v = 0; v < network.size(); ++v) {
+    network.position[v] = moved(motions_[v], frame);
+    network.age[v] += static_cast<int>(frame - frame_);
   }
+}
+
+void VeinGrowth::go_to(std::uint32_t frame) {
+  advance(network_, frame);
   for (AttractionPoint& point : attraction_points_) {
     point.position = moved(point.motion, frame);
   }
@@ -202,10 +207,7 @@ void VeinGrowth::settle(VeinNetwork& network, std::uint32_t frame) const {
 Vasculature VeinGrowth::at(std::uint32_t frame) const {
   VeinNetwork network = network_;
   if (frame > frame_) {
-    for (std::uint32_t v = 0; v < network.size(); ++v) {
-      network.position[v] = moved(motions_[v], frame);
-      network.age[v] += static_cast<int>(frame - frame_);
-    }
+    advance(network, frame);
   }
   settle(network, frame);
   const Diameters widths = diameters(network, params_, ring_);
@@ -346,7 +348,6 @@ void VeinGrowth::grow_initial(std::size_t p) {
   Strand& strand = strands_[p];
   const VeinInitial& initial = initial_of(p);
   Rng rng(options_.seed, primordia_[p].id, RandomPurpose::kVeinInitial);
-  strand.started = true;
   strand.start_frame = frame_;
   network_.age[strand.surface] = 0;
   const Vec3 depth = network_.momentum[strand.surface];
@@ -583,19 +584,22 @@ VeinGrowth::Path VeinGrowth::find_path(Vec3 p, Vec3 momentum, const VeinJitter& 
   return path;
 }
 
+NewVertex VeinGrowth::strand_vertex(std::size_t p, Vec3 position) const {
+  NewVertex vertex;
+  vertex.position = position;
+  vertex.kind = initial_of(p).strand;
+  vertex.factor = initial_of(p).resistivity_factor;
+  vertex.primordium = primordia_[p].id;
+  return vertex;
+}
+
 void VeinGrowth::connect(std::size_t p) {
-  const VeinInitial& initial = initial_of(p);
   std::uint32_t tip = strands_[p].innermost;
   Rng rng(options_.seed, primordia_[p].id, RandomPurpose::kVeinStrand);
-  const Path path =
-      find_path(network_.position[tip], params_.momentum * network_.momentum[tip], initial.strand_jitter, rng, nullptr);
+  const Path path = find_path(network_.position[tip], params_.momentum * network_.momentum[tip],
+                              initial_of(p).strand_jitter, rng, nullptr);
   for (const Vec3 point : path.points) {
-    NewVertex vertex;
-    vertex.position = point;
-    vertex.kind = initial.strand;
-    vertex.factor = initial.resistivity_factor;
-    vertex.primordium = primordia_[p].id;
-    const std::uint32_t next = network_.add(vertex);
+    const std::uint32_t next = network_.add(strand_vertex(p, point));
     network_.parent[tip] = next;
     tip = next;
   }
@@ -660,32 +664,20 @@ void VeinGrowth::reticulate_by_resistance(std::size_t p) {
   if (resistance > params_.reticulation.ratio_limit * network_.resistance[start]) {
     return;
   }
-  const VeinInitial& initial = initial_of(p);
   Rng rng(options_.seed, primordia_[p].id, RandomPurpose::kVeinReticulation);
-  const Path path = find_path(from, {}, initial.strand_jitter, rng, &excluded);
+  const Path path = find_path(from, {}, initial_of(p).strand_jitter, rng, &excluded);
   std::uint32_t below = path.found;
   for (auto point = path.points.rbegin(); point != path.points.rend(); ++point) {
-    NewVertex vertex;
-    vertex.position = *point;
+    NewVertex vertex = strand_vertex(p, *point);
     vertex.parent = below;
-    vertex.kind = initial.strand;
-    vertex.factor = initial.resistivity_factor;
-    vertex.primordium = primordia_[p].id;
     below = network_.add(vertex);
   }
   network_.add_second_way({start, below, start, primordia_[p].id});
 }
 
-void VeinGrowth::reticulate_by_neighbour(std::size_t p) {
-  constexpr std::size_t kNeighbours = 3;
-  constexpr double kFreeShare = 0.6;  // of the distance, beyond which a second strand joins nothing else
-  const VeinReticulation& rules = params_.reticulation;
-  prepare_joinable();
-  Rng rng(options_.seed, primordia_[p].id, RandomPurpose::kVeinReticulation);
-
-  // The point: a little deeper than the initial.
-  const double depth = length(network_.momentum[strands_[p].surface]) * rng.uniform(1.05, 1.1);
-  std::uint32_t point = strands_[p].surface;
+/// The vertex of a strand that is `depth` below the surface, or its last before the ring.
+std::uint32_t VeinGrowth::vertex_at_depth(std::uint32_t surface, double depth) const {
+  std::uint32_t point = surface;
   for (double walked = 0.0; walked <= depth;) {
     const std::uint32_t below = network_.parent[point];
     if (below == kNoVertex || below < ring_) {
@@ -694,21 +686,13 @@ void VeinGrowth::reticulate_by_neighbour(std::size_t p) {
     walked += length(network_.position[below] - network_.position[point]);
     point = below;
   }
-  const auto steps_between = [&](std::uint32_t other) {  // edges from the point to another vertex; -1: another tree
-    std::vector<std::uint32_t> way;
-    for (std::uint32_t v = point; v != kNoVertex; v = network_.parent[v]) {
-      way.push_back(v);
-    }
-    int steps = 0;
-    for (std::uint32_t v = other; v != kNoVertex; v = network_.parent[v], ++steps) {
-      const auto meeting = std::find(way.begin(), way.end(), v);
-      if (meeting != way.end()) {
-        return steps + static_cast<int>(meeting - way.begin());
-      }
-    }
-    return -1;
-  };
+  return point;
+}
 
+/// Of the nearest points where second strands may end, but for the one nearest along the strands, which is joined
+/// already, the oldest; kNoVertex if there is none.
+std::uint32_t VeinGrowth::oldest_neighbour(std::uint32_t point) const {
+  constexpr std::size_t kNeighbours = 3;
   struct Neighbour {
     double distance;
     std::uint32_t vertex;
@@ -716,31 +700,43 @@ void VeinGrowth::reticulate_by_neighbour(std::size_t p) {
   std::vector<Neighbour> neighbours;
   for (const std::uint32_t v : reticulation_points_) {
     const double distance = length(network_.position[v] - network_.position[point]);
-    if (distance <= rules.neighbourhood_mm && v != point) {
+    if (distance <= params_.reticulation.neighbourhood_mm && v != point) {
       neighbours.push_back({distance, v});
     }
   }
-  reticulation_points_.push_back(point);
   std::stable_sort(neighbours.begin(), neighbours.end(),
                    [](const Neighbour& a, const Neighbour& b) { return a.distance < b.distance; });
   neighbours.resize(std::min(neighbours.size(), kNeighbours), Neighbour{});
 
-  // The one that is nearest along the strands is joined already.
   std::size_t joined = neighbours.size();
   int fewest = -1;
   for (std::size_t i = 0; i < neighbours.size(); ++i) {
-    const int steps = steps_between(neighbours[i].vertex);
-    if (steps >= 0 && (fewest < 0 || steps < fewest)) {
-      fewest = steps;
+    const int edges = network_.edges_between(point, neighbours[i].vertex);
+    if (edges >= 0 && (fewest < 0 || edges < fewest)) {
+      fewest = edges;
       joined = i;
     }
   }
-  std::uint32_t end = kNoVertex;
+  std::uint32_t oldest = kNoVertex;
   for (std::size_t i = 0; i < neighbours.size(); ++i) {
-    if (i != joined && (end == kNoVertex || network_.age[neighbours[i].vertex] > network_.age[end])) {
-      end = neighbours[i].vertex;
+    if (i != joined && (oldest == kNoVertex || network_.age[neighbours[i].vertex] > network_.age[oldest])) {
+      oldest = neighbours[i].vertex;
     }
   }
+  return oldest;
+}
+
+void VeinGrowth::reticulate_by_neighbour(std::size_t p) {
+  constexpr double kFreeShare = 0.6;  // of the distance, beyond which a second strand joins nothing else
+  const VeinReticulation& rules = params_.reticulation;
+  prepare_joinable();
+  Rng rng(options_.seed, primordia_[p].id, RandomPurpose::kVeinReticulation);
+
+  // A little deeper than the initial.
+  const double depth = length(network_.momentum[strands_[p].surface]) * rng.uniform(1.05, 1.1);
+  const std::uint32_t point = vertex_at_depth(strands_[p].surface, depth);
+  const std::uint32_t end = oldest_neighbour(point);
+  reticulation_points_.push_back(point);
   if (end == kNoVertex) {
     return;
   }
@@ -859,7 +855,7 @@ void VeinGrowth::colonise() {
     }
     pulls.push_back({nearest[i], static_cast<std::uint32_t>(left.size())});
     planned += i < planned_points_;
-    left.push_back(AttractionPoint(attraction_points_[i]));
+    left.push_back(attraction_points_[i]);
   }
   planned_points_ = planned;
   attraction_points_ = std::move(left);

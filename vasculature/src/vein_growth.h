@@ -24,8 +24,6 @@ class VeinGrowth {
     std::uint32_t surface = kNoVertex;
     std::uint32_t innermost = kNoVertex;
     std::uint32_t start_frame = 0;
-    bool started = false;
-    bool reticulated = false;
   };
   struct Motion {  // straight from a place at a frame to another at the end of the stride
     Vec3 from;
@@ -50,8 +48,11 @@ class VeinGrowth {
   void bear(std::size_t p);
   void start_due();
   void grow_initial(std::size_t p);
+  NewVertex strand_vertex(std::size_t p, Vec3 position) const;
   void connect(std::size_t p);
   void reticulate_by_resistance(std::size_t p);
+  std::uint32_t vertex_at_depth(std::uint32_t surface, double depth) const;
+  std::uint32_t oldest_neighbour(std::uint32_t point) const;
   void reticulate_by_neighbour(std::size_t p);
   void reticulate();
   void add_attraction_points();
@@ -69,6 +70,7 @@ class VeinGrowth {
   std::uint32_t next_event() const;
   void plan_motion(bool all);
   Vec3 moved(const Motion& motion, std::uint32_t frame) const;
+  void advance(VeinNetwork& network, std::uint32_t frame) const;
   void go_to(std::uint32_t frame);
   void settle(VeinNetwork& network, std::uint32_t frame) const;
   Vasculature at(std::uint32_t frame) const;
@@ -88,9 +90,9 @@ class VeinGrowth {
   std::uint32_t first_colonisation_ = 0;  // first frame with attraction points
   std::vector<std::uint32_t> births_;     // primordia by frame of birth, in their given order within a frame
   std::size_t born_ = 0;
-  std::vector<std::size_t> waiting_;        // born, not started, in order of birth
-  std::vector<std::size_t> unreticulated_;  // started, in order of start
-  std::vector<std::uint32_t> reticulation_points_;
+  std::vector<std::size_t> waiting_;                // born, not started, in order of birth
+  std::vector<std::size_t> unreticulated_;          // started, in order of start
+  std::vector<std::uint32_t> reticulation_points_;  // where second strands of later primordia may end
   std::vector<Strand> strands_;
 
   VeinNetwork network_;

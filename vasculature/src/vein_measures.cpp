@@ -6,6 +6,7 @@
 
 #include "anthesis/base/assert.h"
 #include "anthesis/base/math.h"
+#include "vein_network.h"
 
 namespace anthesis {
 namespace {
@@ -32,115 +33,114 @@ class Sets {
   std::vector<std::uint32_t> root_;
 };
 
-std::vector<std::uint32_t> parents_first(const Vasculature& veins) {
-  const std::size_t count = veins.vertices.size();
-  std::vector<char> done(count, 0);
-  std::vector<std::uint32_t> order;
-  std::vector<std::uint32_t> way;
-  order.reserve(count);
-  for (std::uint32_t v = 0; v < count; ++v) {
-    for (std::uint32_t u = v; u != kNoVertex && !done[u]; u = veins.vertices[u].parent) {
-      done[u] = 1;
-      way.push_back(u);
-    }
-    order.insert(order.end(), way.rbegin(), way.rend());
-    way.clear();
-  }
-  return order;
-}
+/// One measurement of one head.
+class Measuring {
+ public:
+  Measuring(const Vasculature& veins, int sectors)
+      : veins_(veins),
+        count_(static_cast<std::uint32_t>(veins.vertices.size())),
+        per_radian_(static_cast<double>(sectors) / math::kTurnRad),
+        order_(veins::parents_first(count_, [&](std::uint32_t v) { return veins.vertices[v].parent; })) {}
 
-}  // namespace
-
-VasculatureMeasures measure(const Vasculature& veins, int sectors) {
-  ANTHESIS_ASSERT(sectors >= 1);
-  const auto count = static_cast<std::uint32_t>(veins.vertices.size());
-  VasculatureMeasures result;
-  const std::vector<std::uint32_t> order = parents_first(veins);
-  const auto edge = [&](std::uint32_t v) {
-    return length(veins.vertices[v].position - veins.vertices[veins.vertices[v].parent].position);
-  };
-  const auto is_connected = [&](std::uint32_t v) { return std::isfinite(veins.vertices[v].resistance); };
-
-  // Tips, joints, bundles; Strahler's numbers from the tips down.
-  std::vector<std::uint32_t> children(count, 0);
-  std::vector<int> highest(count, 0);
-  std::vector<std::uint32_t> with_highest(count, 0);
-  result.strahler.assign(count, 0);
-  for (auto v = order.rbegin(); v != order.rend(); ++v) {
-    const std::uint32_t below = veins.vertices[*v].parent;
-    result.strahler[*v] = children[*v] == 0 ? 1 : with_highest[*v] >= 2 ? highest[*v] + 1 : highest[*v];
-    if (*v < veins.ring_vertices) {
-      result.bundles += children[*v] > 0;
-      result.strahler[*v] = children[*v] > 0 ? result.strahler[*v] : 0;
-    } else if (is_connected(*v)) {
-      result.tips += children[*v] == 0;
-      result.joints += children[*v] >= 2;
+  VasculatureMeasures run() {
+    count_vertices();
+    count_loops();
+    for (const SecondConnection& second : veins_.second_connections) {
+      result_.total_length += length(position(second.from) - position(second.to));
     }
-    if (below == kNoVertex) {
-      continue;
-    }
-    result.total_length += edge(*v);
-    ++children[below];
-    if (result.strahler[*v] > highest[below]) {
-      highest[below] = result.strahler[*v];
-      with_highest[below] = 1;
-    } else if (result.strahler[*v] == highest[below]) {
-      ++with_highest[below];
-    }
-  }
-
-  // Loops: edges that join what is joined already. A second connection is such an edge if its trees are joined.
-  for (const bool through_ring : {false, true}) {
-    Sets sets(count);
-    for (std::uint32_t v = 0; v < count; ++v) {
-      if (veins.vertices[v].parent != kNoVertex) {
-        sets.join(v, veins.vertices[v].parent);
-      } else if (through_ring && v > 0 && v < veins.ring_vertices) {
-        sets.join(v, 0);
+    const std::vector<int> orders = strand_orders();
+    for (const std::uint32_t surface : veins_.primordia) {
+      StrandMeasures& strand = result_.strands.emplace_back();
+      strand.vertex = surface;
+      strand.connected = surface != kNoVertex && is_connected(surface);
+      if (strand.connected) {
+        strand.order = orders[surface];
+        result_.highest_order = std::max(result_.highest_order, strand.order);
+        follow(strand);
       }
     }
-    std::size_t loops = 0;
-    for (const SecondConnection& second : veins.second_connections) {
-      loops += !sets.join(second.from, second.to);
-    }
-    (through_ring ? result.loops_through_ring : result.loops) = loops;
-  }
-  for (const SecondConnection& second : veins.second_connections) {
-    result.total_length += length(veins.vertices[second.from].position - veins.vertices[second.to].position);
+    return std::move(result_);
   }
 
-  // Order of a strand: one more than that of the strand it joins. Parents first, so that this one is known.
-  std::vector<int> strand_order(count, 0);
-  for (const std::uint32_t v : order) {
-    const std::uint32_t below = veins.vertices[v].parent;
-    if (v < veins.ring_vertices || below == kNoVertex) {
-      continue;
+ private:
+  Vec3 position(std::uint32_t v) const { return veins_.vertices[v].position; }
+  std::uint32_t parent(std::uint32_t v) const { return veins_.vertices[v].parent; }
+  double edge(std::uint32_t v) const { return length(position(v) - position(parent(v))); }
+  bool is_connected(std::uint32_t v) const { return std::isfinite(veins_.vertices[v].resistance); }
+
+  /// Tips, joints, bundles, total length; Strahler's numbers from the tips down.
+  void count_vertices() {
+    std::vector<std::uint32_t> children(count_, 0);
+    std::vector<int> highest(count_, 0);
+    std::vector<std::uint32_t> with_highest(count_, 0);
+    std::vector<int>& strahler = result_.strahler;
+    strahler.assign(count_, 0);
+    for (auto v = order_.rbegin(); v != order_.rend(); ++v) {
+      const std::uint32_t below = parent(*v);
+      strahler[*v] = children[*v] == 0 ? 1 : with_highest[*v] >= 2 ? highest[*v] + 1 : highest[*v];
+      if (*v < veins_.ring_vertices) {
+        result_.bundles += children[*v] > 0;
+        strahler[*v] = children[*v] > 0 ? strahler[*v] : 0;
+      } else if (is_connected(*v)) {
+        result_.tips += children[*v] == 0;
+        result_.joints += children[*v] >= 2;
+      }
+      if (below == kNoVertex) {
+        continue;
+      }
+      result_.total_length += edge(*v);
+      ++children[below];
+      if (strahler[*v] > highest[below]) {
+        highest[below] = strahler[*v];
+        with_highest[below] = 1;
+      } else if (strahler[*v] == highest[below]) {
+        ++with_highest[below];
+      }
     }
-    const bool goes_on =
-        below >= veins.ring_vertices && veins.vertices[below].primordium == veins.vertices[v].primordium;
-    strand_order[v] = goes_on ? strand_order[below] : strand_order[below] + 1;
   }
 
-  const double per_sector = static_cast<double>(sectors) / math::kTurnRad;
-  for (const std::uint32_t surface : veins.primordia) {
-    StrandMeasures& strand = result.strands.emplace_back();
-    if (surface == kNoVertex) {
-      continue;
+  /// Loops: edges that join what is joined already. A second connection is such an edge if its trees are joined.
+  void count_loops() {
+    for (const bool through_ring : {false, true}) {
+      Sets sets(count_);
+      for (std::uint32_t v = 0; v < count_; ++v) {
+        if (parent(v) != kNoVertex) {
+          sets.join(v, parent(v));
+        } else if (through_ring && v > 0 && v < veins_.ring_vertices) {
+          sets.join(v, 0);
+        }
+      }
+      std::size_t& loops = through_ring ? result_.loops_through_ring : result_.loops;
+      for (const SecondConnection& second : veins_.second_connections) {
+        loops += !sets.join(second.from, second.to);
+      }
     }
-    strand.vertex = surface;
-    strand.connected = is_connected(surface);
-    if (!strand.connected) {
-      continue;
+  }
+
+  /// Of each vertex the order of its strand: one more than that of the strand it joins.
+  std::vector<int> strand_orders() const {
+    std::vector<int> orders(count_, 0);
+    for (const std::uint32_t v : order_) {
+      const std::uint32_t below = parent(v);
+      if (v < veins_.ring_vertices || below == kNoVertex) {
+        continue;
+      }
+      const bool goes_on =
+          below >= veins_.ring_vertices && veins_.vertices[below].primordium == veins_.vertices[v].primordium;
+      orders[v] = goes_on ? orders[below] : orders[below] + 1;
     }
-    strand.order = strand_order[surface];
-    result.highest_order = std::max(result.highest_order, strand.order);
-    const std::uint32_t own = veins.vertices[surface].primordium;
+    return orders;
+  }
+
+  /// The way from a primordium to the ring.
+  void follow(StrandMeasures& strand) const {
+    const std::uint32_t own = veins_.vertices[strand.vertex].primordium;
     bool on_own = true;
-    double azimuth = 0.0;
     bool known = false;  // a vertex on the axis has no azimuth
-    double at = 0.0;     // azimuth followed along the way
-    for (std::uint32_t v = surface; v != kNoVertex; v = veins.vertices[v].parent) {
-      const Vec3 p = veins.vertices[v].position;
+    double azimuth = 0.0;
+    double at = 0.0;  // azimuth followed along the way
+    for (std::uint32_t v = strand.vertex; v != kNoVertex; v = parent(v)) {
+      const Vec3 p = position(v);
       if (p.x != 0.0 || p.y != 0.0) {
         const double next = math::atan2(p.y, p.x);
         if (!known) {
@@ -150,24 +150,36 @@ VasculatureMeasures measure(const Vasculature& veins, int sectors) {
           turn -= math::kTurnRad * std::round(turn / math::kTurnRad);
           strand.turned_rad += turn;
           strand.sectors_crossed +=
-              static_cast<int>(std::abs(std::floor((at + turn) * per_sector) - std::floor(at * per_sector)));
+              static_cast<int>(std::abs(std::floor((at + turn) * per_radian_) - std::floor(at * per_radian_)));
           at += turn;
         }
         azimuth = next;
         known = true;
       }
-      if (veins.vertices[v].parent == kNoVertex) {
+      if (parent(v) == kNoVertex) {
         strand.bundle = v;
         break;
       }
       strand.length_to_ring += edge(v);
-      on_own = on_own && veins.vertices[v].primordium == own;
+      on_own = on_own && veins_.vertices[v].primordium == own;
       if (on_own) {
         strand.own_length += edge(v);
       }
     }
   }
-  return result;
+
+  const Vasculature& veins_;
+  std::uint32_t count_;
+  double per_radian_;  ///< sectors
+  std::vector<std::uint32_t> order_;
+  VasculatureMeasures result_;
+};
+
+}  // namespace
+
+VasculatureMeasures measure(const Vasculature& veins, int sectors) {
+  ANTHESIS_ASSERT(sectors >= 1);
+  return Measuring(veins, sectors).run();
 }
 
 }  // namespace anthesis

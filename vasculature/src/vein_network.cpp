@@ -47,6 +47,21 @@ bool VeinNetwork::leads(std::uint32_t from, std::uint32_t to) const {
   return false;
 }
 
+int VeinNetwork::edges_between(std::uint32_t a, std::uint32_t b) const {
+  std::vector<std::uint32_t> way;
+  for (std::uint32_t v = a; v != kNoVertex; v = parent[v]) {
+    way.push_back(v);
+  }
+  int edges = 0;
+  for (std::uint32_t v = b; v != kNoVertex; v = parent[v], ++edges) {
+    const auto meeting = std::find(way.begin(), way.end(), v);
+    if (meeting != way.end()) {
+      return edges + static_cast<int>(meeting - way.begin());
+    }
+  }
+  return -1;
+}
+
 void VeinNetwork::split(double length) {
   const std::uint32_t count = size();
   for (std::uint32_t v = 0; v < count; ++v) {
@@ -70,21 +85,7 @@ void VeinNetwork::split(double length) {
 }
 
 void VeinNetwork::sort() {
-  constexpr char kDone = 1;
-  std::vector<char> done(size(), 0);
-  std::vector<std::uint32_t> way;
-  order.clear();
-  order.reserve(size());
-  for (std::uint32_t v = 0; v < size(); ++v) {
-    for (std::uint32_t u = v; u != kNoVertex && done[u] != kDone; u = parent[u]) {
-      way.push_back(u);
-      done[u] = kDone;
-    }
-    while (!way.empty()) {
-      order.push_back(way.back());
-      way.pop_back();
-    }
-  }
+  order = parents_first(size(), [&](std::uint32_t v) { return parent[v]; });
 }
 
 void VeinNetwork::update_resistance(std::uint32_t ring, double ground, int maturation, double mature) {

@@ -10,6 +10,24 @@ namespace anthesis::veins {
 
 inline constexpr double kInfinite = std::numeric_limits<double>::infinity();
 
+/// The vertices of a forest, parents before children; `parent_of(v)` is kNoVertex at roots. O(vertices).
+template <class ParentOf>
+std::vector<std::uint32_t> parents_first(std::uint32_t vertices, const ParentOf& parent_of) {
+  std::vector<char> done(vertices, 0);
+  std::vector<std::uint32_t> order;
+  order.reserve(vertices);
+  std::vector<std::uint32_t> way;
+  for (std::uint32_t v = 0; v < vertices; ++v) {
+    for (std::uint32_t u = v; u != kNoVertex && !done[u]; u = parent_of(u)) {
+      done[u] = 1;
+      way.push_back(u);
+    }
+    order.insert(order.end(), way.rbegin(), way.rend());
+    way.clear();
+  }
+  return order;
+}
+
 struct NewVertex {
   Vec3 position;
   Vec3 momentum;
@@ -51,6 +69,9 @@ struct VeinNetwork {
 
   /// Whether a way towards the ring, first or second connections, leads from one vertex to the other (or is the other).
   bool leads(std::uint32_t from, std::uint32_t to) const;
+
+  /// Edges between two vertices along first connections; -1: they are not of one tree.
+  int edges_between(std::uint32_t a, std::uint32_t b) const;
 
   /// Halves every edge of at least that length, once. The new vertex is as the lower end, but of the upper's kind.
   void split(double length);

@@ -1,6 +1,6 @@
-// The three species of O24. Courses over time are our own broken lines through the values of the drawn curves; single
-// numbers are those of Table SMD1 or of the released models, see docs/vasculature.md.
-#include "anthesis/base/math.h"
+// The three heads of O24. Courses over time are our own broken lines through the values of the drawn curves; single
+// numbers are those of Table SMD1 or of the released models, see docs/vasculature.md, with six digits at the most: they
+// are what an imported species file shows.
 #include "anthesis/vasculature/vein_params.h"
 
 namespace anthesis {
@@ -19,6 +19,18 @@ void set_jitter(VeinParams& params, double probability, double strength) {
 }
 
 }  // namespace
+
+VeinParams vein_params(HeadModel model, VeinSource source) {
+  switch (model) {
+    case HeadModel::kBellis:
+      return bellis_veins(source);
+    case HeadModel::kSunflower:
+      return sunflower_veins(source);
+    case HeadModel::kGerbera:
+      break;
+  }
+  return gerbera_veins(source);
+}
 
 VeinParams bellis_veins(VeinSource source) {
   VeinParams params;
@@ -40,7 +52,7 @@ VeinParams bellis_veins(VeinSource source) {
                           {0.7, 0.551},
                           {0.8, 0.528},
                           {1.0, 0.512}}};
-  params.shielding_angle_deg = math::degrees(0.55);
+  params.shielding_angle_deg = 31.5127;  // 0.55 rad
   params.age_weight = 1.0;
   params.step_mm = 0.02;
   params.merge_distance_mm = 0.03;
@@ -66,7 +78,7 @@ VeinParams bellis_veins(VeinSource source) {
   set_jitter(params, 0.35, 0.34);
   params.diameter_rule = DiameterRule::kMurrayByKind;
   params.fade_in_frames = 24;
-  params.murray_exponent = 1.0 / 0.19;
+  params.murray_exponent = 5.26316;  // 1 / 0.19
   params.tip_diameter_mm = {0.0479, 0.0878, 0.0878};
   return params;
 }
@@ -101,7 +113,7 @@ VeinParams sunflower_veins(VeinSource source) {
                           {0.85, 0.280},
                           {0.9, 0.245},
                           {1.0, 0.221}}};
-  params.shielding_angle_deg = math::degrees(0.01);
+  params.shielding_angle_deg = 0.572958;  // 0.01 rad
   params.step_mm = 0.01;
   params.merge_distance_mm = 0.01;
   params.split_length_mm = 0.05;
@@ -133,11 +145,12 @@ VeinParams sunflower_veins(VeinSource source) {
   params.deviated_initial_is_unit = true;
   params.drift = 0.1;
   params.join = JoinRule::kForward;
-  initial_of(params, PrimordiumKind::kBract).jitter = {0.49, 0.3 * 0.82};
-  initial_of(params, PrimordiumKind::kBract).strand_jitter = {0.49, 0.4 * 0.82};
+  // Probability 0.49 and strength 0.82, times factors of the kind: 1 and 0.3, 1 and 0.4; 0.65 and 1.5, 1 and 2.
+  initial_of(params, PrimordiumKind::kBract).jitter = {0.49, 0.246};
+  initial_of(params, PrimordiumKind::kBract).strand_jitter = {0.49, 0.328};
   for (const PrimordiumKind kind : {PrimordiumKind::kTransFloret, PrimordiumKind::kFloret}) {
-    initial_of(params, kind).jitter = {0.65 * 0.49, 1.5 * 0.82};
-    initial_of(params, kind).strand_jitter = {0.49, 2.0 * 0.82};
+    initial_of(params, kind).jitter = {0.3185, 1.23};
+    initial_of(params, kind).strand_jitter = {0.49, 1.64};
   }
   params.diameter_rule = DiameterRule::kMurrayByKind;
   params.fade_in_frames = 24;

@@ -77,20 +77,5 @@ TEST(MeanValueGrowth, MovesAPointTheSameWhateverElseMoves) {
   EXPECT_EQ(many, alone);
 }
 
-TEST(OutlinesOfFrames, AreThoseGivenOrThoseOfTheStepsTime) {
-  OutlineSequence outlines;
-  outlines.points_per_frame = 2;
-  const std::vector<double> times = {0.0, 0.25, 1.0};
-  for (const double t : times) {
-    outlines.points.insert(outlines.points.end(), {{0.0, t}, {1.0, 0.0}});
-  }
-  EXPECT_EQ(outlines_of_frames(outlines, times, FrameClock::kAsPublished).points, outlines.points);
-  const OutlineSequence consistent = outlines_of_frames(outlines, times, FrameClock::kConsistent, 0.125);
-  ASSERT_EQ(consistent.frames(), 3u);
-  for (std::size_t f = 0; f < 3; ++f) {  // the apex stands at the time's height
-    EXPECT_DOUBLE_EQ(consistent.frame(f)[0].y, 0.125 * static_cast<double>(f));
-  }
-}
-
 }  // namespace
 }  // namespace anthesis

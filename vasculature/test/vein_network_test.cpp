@@ -76,6 +76,15 @@ TEST(VeinNetwork, WhatCarriesAnAdaxialStrandIsAdaxialUnlessABractsStrand) {
   EXPECT_EQ(network.kind[0], VeinKind::kAbaxial);
 }
 
+TEST(VeinNetwork, CountsEdgesBetweenVerticesOfOneTree) {
+  const VeinNetwork network = fork();
+  EXPECT_EQ(network.edges_between(3, 3), 0);
+  EXPECT_EQ(network.edges_between(3, 4), 2);
+  EXPECT_EQ(network.edges_between(0, 5), 2);
+  EXPECT_EQ(network.edges_between(5, 0), 2);
+  EXPECT_EQ(network.edges_between(3, 6), -1);
+}
+
 TEST(VeinNetwork, LeadsTowardsTheRingAlongSecondWaysToo) {
   VeinNetwork network = fork();
   EXPECT_TRUE(network.leads(3, 0));

@@ -29,12 +29,12 @@ Species read_species_or_folder(const HeadArguments& arguments) {
     }
     return find_plant(arguments.species);
   }
-  constexpr std::array<std::string_view, 2> kSources = {"paper", "as_published"};
+  const std::vector<std::string_view> sources(kVeinSourceNames.begin(), kVeinSourceNames.end());
   VlabScale scale;
-  scale.like = arguments.like.empty() ? head_model_in(arguments.species).value_or(VlabHeadModel::kSunflower)
+  scale.like = arguments.like.empty() ? head_model_in(arguments.species).value_or(HeadModel::kSunflower)
                                       : head_model(arguments.like);
   scale.source = arguments.source.empty() ? VeinSource::kAsPublished
-                                          : static_cast<VeinSource>(parse_word("--source", arguments.source, kSources));
+                                          : static_cast<VeinSource>(parse_word("--source", arguments.source, sources));
   const VlabObject object = value_of(read_vlab_object(vlab_files_of(arguments.species)));
   return value_of(species_from_vlab(name_of_folder(arguments.species), object, scale));
 }
@@ -72,13 +72,15 @@ std::vector<VeinPrimordium> read_primordia(const HeadArguments& arguments, const
 Setting parse_setting(const std::string& flag, const std::string& text) {
   const std::size_t equals = text.find('=');
   if (equals == std::string::npos || equals == 0) {
-    throw usage(flag + " must be KEY=NUMBER, got " + text);
+    throw usage(flag + " must be KEY=NUMBER or KEY=xFACTOR, got " + text);
   }
-  return {text.substr(0, equals), parse_number(flag, text.substr(equals + 1), {-1e9, 1e9})};
+  const bool factor = text.compare(equals + 1, 1, "x") == 0;
+  return {text.substr(0, equals), parse_number(flag, text.substr(equals + (factor ? 2 : 1)), {-1e9, 1e9}), factor};
 }
 
 void set(Species& species, const std::string& flag, const Setting& setting) {
-  if (auto error = set_number(species, setting.key, setting.value)) {
+  const auto change = setting.factor ? scale_number : set_number;
+  if (auto error = change(species, setting.key, setting.value)) {
     throw usage(flag + ": " + to_string(*error));
   }
 }
@@ -125,7 +127,7 @@ GrownHead grow_head(const HeadArguments& arguments, const Species& species, std:
   options.seed = arguments.seed;
   options.progress = progress;
   for (const double time : times) {
-    options.frames.push_back(static_cast<std::uint32_t>(std::lround(time * last)));
+    options.frames.push_back(frame_at(grown.contours, time));
   }
   options.frames.erase(std::unique(options.frames.begin(), options.frames.end()), options.frames.end());
   options.at_frame = [&](std::uint32_t frame, const Vasculature& veins) {
@@ -135,6 +137,10 @@ GrownHead grow_head(const HeadArguments& arguments, const Species& species, std:
       report.time("veins", [&] { return value_of(head_veins(species, grown.contours, grown.primordia, options)); });
   grown.brought_back = whole.brought_back;
   return grown;
+}
+
+std::uint32_t frame_at(const ContourSequence& contours, double time) {
+  return static_cast<std::uint32_t>(std::lround(time * static_cast<double>(contours.frames() - 1)));
 }
 
 std::vector<Vec2> outline_of(const ContourSequence& contours, std::size_t frame) {
@@ -185,7 +191,7 @@ void HeadArguments::add_to(CLI::App& app) {
       ->type_name("");
   app.add_option(
          "--with", with,
-         "KEY=NUMBER: change a number of the species: mu_sec=0.5, ring_vertices=40, head.active_ring.last_ring=0.1")
+         "KEY=NUMBER: change a number of the species: mu_sec=0.5; KEY=xFACTOR: multiply it, or all of a list: r_G=x1.2")
       ->type_name("KEY=X")
       ->expected(1)
       ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll)

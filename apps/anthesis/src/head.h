@@ -29,11 +29,13 @@ struct HeadArguments {
   HeadRules rules() const { return as_published ? HeadRules::kAsPublished : HeadRules::kExact; }
 };
 
-/// A number of a species to set: "mu_sec=0.5". Throws a Failure of usage.
+/// A number of a species to set, "mu_sec=0.5", or to multiply, "threshold_mm=x1.1".
 struct Setting {
   std::string key;
   double value = 0.0;
+  bool factor = false;
 };
+/// Throws a Failure of usage.
 Setting parse_setting(const std::string& flag, const std::string& text);
 
 /// The species with a number changed. Throws a Failure of usage.
@@ -64,6 +66,9 @@ GrownHead grow_head(const HeadArguments& arguments, const Species& species, std:
 
 /// What files are to say of their making.
 MadeFrom made_from(const HeadArguments& arguments, const Species& species, const HeadMoment& moment);
+
+/// The frame nearest to a time of development, [0, 1].
+std::uint32_t frame_at(const ContourSequence& contours, double time);
 
 /// The outline of a frame.
 std::vector<Vec2> outline_of(const ContourSequence& contours, std::size_t frame);

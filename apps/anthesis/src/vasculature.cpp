@@ -329,7 +329,7 @@ Command add_vasculature(CLI::App& app) {
   command
       ->add_option(
           "--vary", arguments->vary,
-          "KEY=FROM:TO:STEP: a head for each value of a number of the species; a .csv table, a .png sheet; repeatable")
+          "KEY=FROM:TO:STEP (or xFROM:TO:STEP, factors): a head for each value; a .csv table, a .png sheet; repeatable")
       ->type_name("KEY=A:B:C")
       ->expected(1)
       ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll)

@@ -56,13 +56,15 @@ Image VeinPhotographer::photograph(const GrownHead& head, const HeadMoment& mome
   return photographer_.photograph(scene, scene, progress, vein_lighting);
 }
 
+HeadExtent together(const HeadExtent& one, const HeadExtent& other) {
+  return {std::max(one.radius_mm, other.radius_mm), std::min(one.lowest_mm, other.lowest_mm),
+          std::max(one.highest_mm, other.highest_mm)};
+}
+
 HeadExtent extent_of(const GrownHead& head) {
   HeadExtent extent = anthesis::extent_of(outline_of(head.contours, head.moments.front().frame));
   for (const HeadMoment& moment : head.moments) {
-    const HeadExtent other = anthesis::extent_of(outline_of(head.contours, moment.frame));
-    extent.radius_mm = std::max(extent.radius_mm, other.radius_mm);
-    extent.lowest_mm = std::min(extent.lowest_mm, other.lowest_mm);
-    extent.highest_mm = std::max(extent.highest_mm, other.highest_mm);
+    extent = together(extent, anthesis::extent_of(outline_of(head.contours, moment.frame)));
   }
   return extent;
 }

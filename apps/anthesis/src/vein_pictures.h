@@ -39,6 +39,9 @@ class VeinPhotographer {
   VeinSceneOptions scene_;
 };
 
+/// What holds both.
+HeadExtent together(const HeadExtent& one, const HeadExtent& other);
+
 /// What holds all frames that are shown.
 HeadExtent extent_of(const GrownHead& head);
 

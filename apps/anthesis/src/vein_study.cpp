@@ -78,12 +78,13 @@ Variation parse_variation(const std::string& text) {
   const std::size_t first = text.find(':', equals == std::string::npos ? 0 : equals);
   const std::size_t second = first == std::string::npos ? first : text.find(':', first + 1);
   if (equals == std::string::npos || equals == 0 || second == std::string::npos) {
-    throw usage("--vary must be KEY=FROM:TO:STEP, got " + text);
+    throw usage("--vary must be KEY=FROM:TO:STEP or KEY=xFROM:TO:STEP, got " + text);
   }
+  const bool factor = text.compare(equals + 1, 1, "x") == 0;
   const auto number = [&](std::size_t from, std::size_t to) {
     return parse_number("--vary", text.substr(from, to == std::string::npos ? to : to - from), {-1e9, 1e9});
   };
-  const double from = number(equals + 1, first);
+  const double from = number(equals + (factor ? 2 : 1), first);
   const double to = number(first + 1, second);
   const double step = number(second + 1, std::string::npos);
   if (!(step > 0.0) || to < from) {
@@ -93,7 +94,7 @@ Variation parse_variation(const std::string& text) {
   if (count > static_cast<double>(kMostRuns)) {
     throw usage(fmt::format("--vary must give at most {} values, got {}", kMostRuns, text));
   }
-  Variation variation{text.substr(0, equals), {}};
+  Variation variation{text.substr(0, equals), {}, factor};
   for (int i = 0; i < static_cast<int>(count); ++i) {
     variation.values.push_back(std::round((from + i * step) * 1e12) / 1e12);  // 0.3, not 0.30000000000000004
   }
@@ -129,17 +130,23 @@ void run_study(const HeadArguments& arguments, const std::vector<std::string>& t
     Species& head = heads.emplace_back(species);
     const std::vector<std::size_t> places = places_of(run, variations);
     for (std::size_t v = 0; v < variations.size(); ++v) {
-      set(head, "--vary", {variations[v].key, variations[v].values[places[v]]});
+      set(head, "--vary", {variations[v].key, variations[v].values[places[v]], variations[v].factor});
     }
     if (auto error = check(head)) {
       throw failure(*error);
     }
   }
+  std::optional<HeadExtent> extent;  // of all heads, so that the pictures of a sheet can be compared
+  for (std::size_t run = 0; pictures && run < runs; ++run) {
+    const ContourSequence contours =
+        report.time("contours", [&] { return value_of(head_contours(heads[run], arguments.rules())); });
+    const HeadExtent own = anthesis::extent_of(outline_of(contours, frame_at(contours, at)));
+    extent = extent ? together(*extent, own) : own;
+  }
   std::string table;
   std::vector<Image> images;
   nlohmann::ordered_json rows = nlohmann::ordered_json::array();
   MadeFrom lines;
-  std::optional<HeadExtent> extent;
   const Progress progress = console.progress();
   for (std::size_t run = 0; run < runs; ++run) {
     const std::string stage = fmt::format("head {} of {}: ", run + 1, runs);
@@ -155,10 +162,10 @@ void run_study(const HeadArguments& arguments, const std::vector<std::string>& t
     nlohmann::ordered_json object;
     for (std::size_t v = 0; v < variations.size(); ++v) {
       const std::string value = to_text(variations[v].values[places[v]]);
-      header += (v == 0 ? "" : ",") + variations[v].key;
+      header += (v == 0 ? "" : ",") + variations[v].name();
       row += (v == 0 ? "" : ",") + value;
-      caption += (v == 0 ? "" : "  ") + variations[v].key + " = " + value;
-      object[variations[v].key] = variations[v].values[places[v]];
+      caption += (v == 0 ? "" : "\n") + variations[v].key + (variations[v].factor ? " x " : " = ") + value;
+      object[variations[v].name()] = variations[v].values[places[v]];
     }
     for (const auto& [key, value] : figures_of(grown, measures)) {
       header += "," + key;
@@ -167,12 +174,14 @@ void run_study(const HeadArguments& arguments, const std::vector<std::string>& t
     }
     if (run == 0) {
       lines = made_from(arguments, species, grown.moments.back());
+      for (const std::string& text : texts) {
+        lines.push_back({"vary", text});
+      }
       table = fmt::format("# generator: Anthesis {}\n", kVersion);
       for (const auto& [key, value] : lines) {
         table += fmt::format("# {}: {}\n", key, value);
       }
       table += header + "\n";
-      extent = extent_of(grown);
     }
     table += row + "\n";
     rows.push_back(std::move(object));

@@ -12,6 +12,10 @@ namespace anthesis::cli {
 struct Variation {
   std::string key;
   std::vector<double> values;
+  bool factor = false;  ///< they multiply what the species has
+
+  /// Of its column.
+  std::string name() const { return factor ? key + "_factor" : key; }
 };
 
 /// Throws a Failure of usage.

@@ -1,7 +1,6 @@
 #include "vlab_folder.h"
 
 #include <algorithm>
-#include <array>
 #include <cctype>
 #include <filesystem>
 
@@ -12,7 +11,6 @@ namespace anthesis::cli {
 namespace {
 
 constexpr std::size_t kMostFiles = 1000;
-constexpr std::array kModels = {VlabHeadModel::kBellis, VlabHeadModel::kSunflower, VlabHeadModel::kGerbera};
 
 }  // namespace
 
@@ -49,20 +47,16 @@ std::string name_of_folder(const std::string& folder) {
   return name.empty() || name == "." || name == "-" ? "head" : name;
 }
 
-VlabHeadModel head_model(const std::string& name) {
-  for (const VlabHeadModel model : kModels) {
-    if (vlab_head_model_name(model) == name) {
-      return model;
-    }
-  }
-  throw usage("--like must be bellis, sunflower or gerbera, got " + name);
+HeadModel head_model(const std::string& name) {
+  const std::vector<std::string_view> words(kHeadModelNames.begin(), kHeadModelNames.end());
+  return static_cast<HeadModel>(parse_word("--like", name, words));
 }
 
-std::optional<VlabHeadModel> head_model_in(const std::string& folder) {
+std::optional<HeadModel> head_model_in(const std::string& folder) {
   const std::string name = name_of_folder(folder);
-  for (const VlabHeadModel model : kModels) {
-    if (name.find(vlab_head_model_name(model)) != std::string::npos) {
-      return model;
+  for (std::size_t model = 0; model < kHeadModelNames.size(); ++model) {
+    if (name.find(kHeadModelNames[model]) != std::string::npos) {
+      return static_cast<HeadModel>(model);
     }
   }
   return std::nullopt;

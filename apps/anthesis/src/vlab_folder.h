@@ -14,7 +14,7 @@ std::vector<VlabFile> vlab_files_of(const std::string& folder);
 std::string name_of_folder(const std::string& folder);
 
 /// The head of O24 that a word names, and the one whose name a folder's contains. The first throws a Failure of usage.
-VlabHeadModel head_model(const std::string& name);
-std::optional<VlabHeadModel> head_model_in(const std::string& folder);
+HeadModel head_model(const std::string& name);
+std::optional<HeadModel> head_model_in(const std::string& folder);
 
 }  // namespace anthesis::cli

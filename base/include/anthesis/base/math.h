@@ -31,4 +31,12 @@ double exp(double x);
 double log(double x);
 double pow(double x, double y);
 
+/// The largest of 1, 2, 5 times a power of ten that is not above `value`: lengths of scale bars, steps of axes.
+/// Precondition: `value` finite and > 0 (asserted).
+double round_down_to_125(double value);
+
+/// The smallest of them that is not below `value`, but for a billionth of it: a value that is one of them up to
+/// rounding stays. Precondition: as above.
+double round_up_to_125(double value);
+
 }  // namespace anthesis::math

@@ -14,11 +14,17 @@ namespace anthesis {
 std::string whole_key(std::string_view key);
 
 /// Sets a number of a species by its key: "head.active_ring.last_ring", "head.active_ring.sections[2].ring",
-/// "organs.ray.layering_deg", "mu_sec". A function or a course becomes constant, a range a single value. Rules between
-/// several keys are left to check(Species).
+/// "head.active_ring.knots[4]", "organs.ray.layering_deg", "vasculature.depth_course[0][1]" (what the first point of a
+/// function has as its second number), "mu_sec". A whole function or course becomes constant, a range a single value.
+/// Rules between several keys are left to check(Species).
 ///
 /// Errors: kUnknownParameter, with the nearest key; kInvalidParameter for a value out of range and a key that is not a
 /// number. The species is then as it was.
 std::optional<Error> set_number(Species& species, std::string_view key, double value);
+
+/// Multiplies a number by a factor; and, which a single value cannot say, all numbers of a list or a range, all values
+/// of a function or course (its times stay), all points of a curve: "head.active_ring.threshold_mm",
+/// "head.active_ring.sections[9].points". Whole numbers must stay whole. Errors: as above.
+std::optional<Error> scale_number(Species& species, std::string_view key, double factor);
 
 }  // namespace anthesis

@@ -12,6 +12,7 @@
 #include "anthesis/geometry/function_graph.h"
 #include "anthesis/geometry/surface_of_revolution.h"
 #include "anthesis/inflorescence/species.h"
+#include "anthesis/vasculature/vein_params.h"
 
 namespace anthesis {
 
@@ -37,20 +38,15 @@ struct VlabObject {
 /// of contours the one with markers counts. Errors: those of the readers.
 Expected<VlabObject> read_vlab_object(std::span<const VlabFile> files);
 
-/// The heads of O24, whose programs state what their files do not: unit, thresholds, landmarks, veins.
-enum class VlabHeadModel { kBellis, kSunflower, kGerbera };
-
-/// "bellis", "sunflower" or "gerbera".
-std::string_view vlab_head_model_name(VlabHeadModel model);
-
 /// How VLab's numbers become millimetres. Its files state no unit.
 struct VlabScale {
   double width_mm = 20.0;      ///< greatest width of the mature receptacle, [0.01, 10,000]
   double radius_factor = 0.2;  ///< by which the model's program multiplies the function `rho`, (0, 1000]. VLab's Ridley
                                ///< model takes 0.2; it stands in the program, not in the files.
 
-  /// A growing head is one of these: it has the size of O24's tables (whatever `width_mm`) and veins.
-  std::optional<VlabHeadModel> like = std::nullopt;
+  /// A growing head is one of O24's, whose programs state what their files do not: unit (whatever `width_mm`),
+  /// thresholds, landmarks, veins.
+  std::optional<HeadModel> like = std::nullopt;
   VeinSource source = VeinSource::kAsPublished;  ///< of the parameters of veins
 };
 

@@ -11,15 +11,9 @@
 #include "anthesis/base/math.h"
 #include "anthesis/base/progress.h"
 #include "anthesis/phyllotaxis/growing_profile.h"
+#include "anthesis/phyllotaxis/primordium_kind.h"
 
 namespace anthesis {
-
-/// What becomes of a primordium of a flower head, by where it stands among the landmarks of the tissue.
-enum class HeadOrganKind : std::uint8_t {
-  kBract,  ///< outside the bract landmark
-  kTrans,  ///< between the two; heads without trans florets have none
-  kDisc,   ///< inside both: disc florets, in Bellis and sunflower all florets
-};
 
 /// Primordia that appear on an active ring wherever there is room (O24, P-model). See docs/active-ring.md.
 struct ActiveRingParams {
@@ -67,7 +61,7 @@ struct RingMoment {
   double time = 0.0;
   double s = 0.0;
   double azimuth_rad = 0.0;  ///< in [0, 2 pi)
-  HeadOrganKind kind = HeadOrganKind::kDisc;
+  PrimordiumKind kind = PrimordiumKind::kFloret;
 };
 
 struct RingPrimordium {
@@ -101,6 +95,6 @@ Expected<std::vector<RingPrimordium>> grow_active_ring_as_published(const Growin
 std::vector<double> published_clock(const GrowingProfile& profile, double step = 0.0005);
 
 /// The kind of a place among the landmarks at a time.
-HeadOrganKind kind_of(const GrowingProfile& profile, const ActiveRingParams& params, double time, double s);
+PrimordiumKind kind_of(const GrowingProfile& profile, const ActiveRingParams& params, double time, double s);
 
 }  // namespace anthesis

@@ -23,6 +23,10 @@ namespace anthesis {
 /// is checked where it is triangulated.
 std::optional<Error> check_section(std::span<const Vec2> controls);
 
+/// Whether a point with radius >= 0 lies inside a section, the axis included; on contour and base either answer.
+/// Exact; O(controls).
+bool is_in_section(std::span<const Vec2> controls, Vec2 p);
+
 struct SectionMeshParams {
   /// The longest edge inside, as a share of the section's size (the larger of width and height); in [0.002, 1].
   double max_edge = 0.0625;

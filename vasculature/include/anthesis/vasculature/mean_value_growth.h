@@ -27,19 +27,4 @@ struct OutlineSequence {
 /// Precondition: at least 2 frames of at least 2 points, finite, the apex on the axis.
 HeadGrowth mean_value_growth(OutlineSequence outlines);
 
-/// Outlines at `wanted` times out of outlines at `times` (ascending, one for each frame), linear between two frames.
-/// Precondition: times.size() == outlines.frames(), at least 1.
-OutlineSequence outlines_at(const OutlineSequence& outlines, std::span<const double> times,
-                            std::span<const double> wanted);
-
-/// Which outline frame f of the vein model sees, where primordia are born at frame = step of the model of phyllotaxis.
-enum class FrameClock {
-  kAsPublished,  ///< outline f of the sequence, whatever its time: the two models' clocks differ
-  kConsistent,   ///< the outline of the time of step f, at which the primordia of frame f were placed
-};
-
-/// The outlines that the frames of the vein model see: as many as given. `step` is the time of one step.
-OutlineSequence outlines_of_frames(OutlineSequence outlines, std::span<const double> times, FrameClock clock,
-                                   double step = 0.0005);
-
 }  // namespace anthesis
