@@ -23,16 +23,54 @@ using species_table::Need;
 using species_table::PointsRule;
 using species_table::Table;
 
+constexpr std::string_view kUnknown = "is not known";
+
 /// As the supplement of O24 writes them.
-constexpr std::array<std::pair<std::string_view, std::string_view>, 8> kSymbols = {
+constexpr std::array<std::pair<std::string_view, std::string_view>, 10> kSymbols = {
     {{"mu_sec", "sector_weight"},
      {"mu_age", "age_weight"},
      {"delta", "step_mm"},
+     {"delta_step", "step_mm"},
      {"tau_m", "maturation_frames"},
+     {"tau_d", "reticulation.delay_frames"},
      {"r_G", "ground_resistivity"},
      {"r_V", "mature_resistivity"},
      {"kappa", "reticulation.ratio_limit"},
      {"n", "murray_exponent"}}};
+
+/// Symbols that stand for a number of every strand, where a species has one for each kind.
+constexpr std::array<std::string_view, 7> kJitters = {
+    "bract.jitter",  "bract.strand_jitter",  "trans_floret.jitter", "trans_floret.strand_jitter",
+    "floret.jitter", "floret.strand_jitter", "colonisation.jitter"};
+constexpr std::array<std::string_view, 3> kTips = {"floret_tip_mm", "abaxial_tip_mm", "adaxial_tip_mm"};
+constexpr std::array<std::string_view, 3> kJointSymbols = {"eta", "gamma_max", "rho"};
+
+/// The keys that a key or a symbol stands for.
+std::vector<std::string> whole_keys(std::string_view key) {
+  std::vector<std::string> keys;
+  const std::string table = "vasculature.";
+  if (key == "eta" || key == "gamma_max") {
+    for (const std::string_view jitter : kJitters) {
+      keys.push_back(table + std::string(jitter) + (key == "eta" ? ".probability" : ".strength"));
+    }
+  } else if (key == "rho") {
+    for (const std::string_view tip : kTips) {
+      keys.push_back(table + std::string(tip));
+    }
+  } else {
+    keys.push_back(whole_key(key));
+  }
+  return keys;
+}
+
+/// The symbol that was meant by a key of no table, if any is like it.
+std::string_view nearest_symbol(std::string_view key) {
+  std::vector<std::string_view> symbols(kJointSymbols.begin(), kJointSymbols.end());
+  for (const auto& [symbol, name] : kSymbols) {
+    symbols.push_back(symbol);
+  }
+  return nearest_name(key, symbols.data(), symbols.size());
+}
 
 /// One key, on its way down into the tables.
 struct Way {
@@ -75,8 +113,11 @@ class NumberSetter {
     describe(*this, Table<T>{});
     if (!way_.done && !way_.error) {
       const std::string_view near = nearest_name(name_, keys_.data(), keys_.size());
-      way_.fail(ErrorCode::kUnknownParameter,
-                near.empty() ? "is not known" : "is not known; did you mean " + std::string(near) + "?");
+      std::string message(kUnknown);
+      if (!near.empty()) {
+        message.append("; did you mean ").append(near).append("?");
+      }
+      way_.fail(ErrorCode::kUnknownParameter, std::move(message));
     }
   }
 
@@ -319,10 +360,26 @@ class NumberSetter {
 };
 
 std::optional<Error> change_number(Species& species, std::string_view key, double value, bool factor) {
-  const std::string whole = whole_key(key);
-  Way way{whole, value, factor};
-  NumberSetter<Species>(species, whole, way).run();
-  return way.error;
+  const std::vector<std::string> keys = whole_keys(key);
+  Species changed;
+  if (keys.size() > 1) {  // all or none
+    changed = species;
+  }
+  for (const std::string& whole : keys) {
+    Way way{whole, value, factor};
+    NumberSetter<Species>(keys.size() > 1 ? changed : species, whole, way).run();
+    if (way.error) {
+      const std::string_view symbol = nearest_symbol(key);
+      if (way.error->message == kUnknown && !symbol.empty()) {
+        way.error->message.append("; did you mean ").append(symbol).append("?");
+      }
+      return way.error;
+    }
+  }
+  if (keys.size() > 1) {
+    species = std::move(changed);
+  }
+  return std::nullopt;
 }
 
 }  // namespace

@@ -39,14 +39,22 @@ std::vector<std::vector<std::uint32_t>> second_parents(const Vasculature& veins)
 }
 
 /// Vertices with each parent before its children, and strands one after the other: depth first from the roots, the
-/// thickest child right after its parent.
+/// thickest child right after its parent. Without ring vertices that nothing grows from.
 std::vector<std::uint32_t> in_order_of_growth(const Vasculature& veins) {
   const auto count = static_cast<std::uint32_t>(veins.vertices.size());
   std::vector<std::vector<std::uint32_t>> children(count);
+  std::vector<bool> used(count, false);
+  for (const SecondConnection& second : veins.second_connections) {
+    used[second.to] = true;
+  }
   std::vector<std::uint32_t> waiting;
-  for (std::uint32_t v = count; v-- > 0;) {
+  for (std::uint32_t v = count; v-- > 0;) {  // children come after the ring
     const std::uint32_t parent = veins.vertices[v].parent;
-    (parent == kNoVertex ? waiting : children[parent]).push_back(v);
+    if (parent != kNoVertex) {
+      children[parent].push_back(v);
+    } else if (v >= veins.ring_vertices || used[v] || !children[v].empty()) {
+      waiting.push_back(v);
+    }
   }
   std::vector<std::uint32_t> order;
   order.reserve(count);
@@ -59,7 +67,6 @@ std::vector<std::uint32_t> in_order_of_growth(const Vasculature& veins) {
     });
     waiting.insert(waiting.end(), children[v].begin(), children[v].end());
   }
-  ANTHESIS_ASSERT(order.size() == count);
   return order;
 }
 
@@ -172,7 +179,7 @@ std::string veins_swc(const Vasculature& veins, const MadeFrom& made_from) {
   std::string text = head_of(made_from);
   append(text, "# types: 1 ring, 2 abaxial, 3 floret, 4 adaxial\n");
   const std::vector<std::uint32_t> order = in_order_of_growth(veins);
-  std::vector<std::uint32_t> id(order.size());
+  std::vector<std::uint32_t> id(veins.vertices.size());
   for (std::uint32_t i = 0; i < order.size(); ++i) {
     id[order[i]] = i + 1;
   }

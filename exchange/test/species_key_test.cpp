@@ -43,6 +43,23 @@ TEST(SpeciesKey, KnowsTheSymbolsOfThePaper) {
   EXPECT_EQ(species.vasculature->params.reticulation.ratio_limit, 1.5);
 }
 
+TEST(SpeciesKey, SetsWhatTheSymbolsOfAllStrandsStandFor) {
+  Species species = head();
+  EXPECT_EQ(message(set_number(species, "eta", 0.25)), "no error");
+  EXPECT_EQ(message(scale_number(species, "gamma_max", 0.0)), "no error");
+  for (const VeinInitial& initial : species.vasculature->params.initials) {
+    for (const VeinJitter& jitter : {initial.jitter, initial.strand_jitter}) {
+      EXPECT_EQ(jitter.probability, 0.25);
+      EXPECT_EQ(jitter.strength, 0.0);
+    }
+  }
+  EXPECT_EQ(message(set_number(species, "rho", 0.125)), "no error");
+  EXPECT_EQ(species.vasculature->params.tip_diameter_mm, (std::array{0.125, 0.125, 0.125}));
+  const std::string before = write_species(species);
+  EXPECT_THAT(message(set_number(species, "eta", 1.5)), HasSubstr("must be in [0, 1], got 1.5"));
+  EXPECT_EQ(write_species(species), before);
+}
+
 TEST(SpeciesKey, MakesCoursesConstantAndRangesSingle) {
   Species species = head();
   EXPECT_EQ(message(set_number(species, "r_G", 1.5)), "no error");
@@ -95,6 +112,7 @@ TEST(SpeciesKey, RefusesWithTheRuleAndLeavesTheSpeciesAlone) {
   const auto refused = [&](std::string_view key, double value) { return message(set_number(species, key, value)); };
   EXPECT_THAT(refused("vasculature.sector_wieght", 1.0), HasSubstr("did you mean sector_weight?"));
   EXPECT_THAT(refused("sector_wieght", 1.0), HasSubstr("did you mean sector_weight?"));
+  EXPECT_THAT(refused("mu_sek", 1.0), HasSubstr("vasculature.mu_sek is not known; did you mean mu_sec?"));
   EXPECT_THAT(refused("mu_sec", -1.0), HasSubstr("vasculature.sector_weight must be in [0, 1e+06], got -1"));
   EXPECT_THAT(refused("ring_vertices", 2.5), HasSubstr("must be a whole number in [1, 100000], got 2.5"));
   EXPECT_THAT(refused("join", 1.0), HasSubstr("must be a number, which this key is not"));

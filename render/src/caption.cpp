@@ -1,21 +1,17 @@
 #include "anthesis/render/caption.h"
 
 #include <algorithm>
-#include <array>
 #include <vector>
+
+#include "glyphs.h"
 
 namespace anthesis {
 namespace {
 
-constexpr int kColumns = 5;
-constexpr int kRows = 7;
-constexpr int kAdvance = kColumns + 1;
+constexpr int kColumns = Glyph::kColumns;
+constexpr int kRows = Glyph::kRows;
+constexpr int kAdvance = Glyph::kAdvance;
 constexpr int kPointsHigh = 200;  // points to an image's height
-
-struct Glyph {
-  char character;
-  std::array<unsigned char, kRows> rows;  ///< bits from left to right: 16 8 4 2 1
-};
 
 constexpr Glyph kGlyphs[] = {
     {'(', {2, 4, 8, 8, 8, 4, 2}},        {')', {8, 4, 2, 2, 2, 4, 8}},        {'+', {0, 4, 4, 31, 4, 4, 0}},
@@ -44,12 +40,6 @@ constexpr Glyph kGlyphs[] = {
     {'u', {0, 0, 17, 17, 17, 19, 13}},   {'v', {0, 0, 17, 17, 17, 10, 4}},    {'w', {0, 0, 17, 21, 21, 21, 10}},
     {'x', {0, 0, 17, 10, 4, 10, 17}},    {'y', {0, 0, 17, 17, 15, 1, 14}},    {'z', {0, 0, 31, 2, 4, 8, 31}}};
 
-const Glyph& glyph_of(char character) {
-  const auto named = [](char c) { return [c](const Glyph& g) { return g.character == c; }; };
-  const Glyph* found = std::find_if(std::begin(kGlyphs), std::end(kGlyphs), named(character));
-  return found != std::end(kGlyphs) ? *found : *std::find_if(std::begin(kGlyphs), std::end(kGlyphs), named('?'));
-}
-
 /// A point of the text, `margin` pixels wider on all sides.
 void fill(Image& image, int x, int y, int size, int margin, std::uint8_t value) {
   for (int row = std::max(0, y - margin); row < std::min(image.height, y + size + margin); ++row) {
@@ -74,7 +64,7 @@ void write_line(Image& image, std::string_view line, int top, int size) {
       const Glyph& glyph = glyph_of(line[i]);
       for (int row = 0; row < kRows && line[i] != ' '; ++row) {
         for (int column = 0; column < kColumns; ++column) {
-          if ((glyph.rows[row] >> (kColumns - 1 - column) & 1) != 0) {
+          if (glyph.lit(column, row)) {
             const int x = left + (static_cast<int>(i) * kAdvance + column) * size;
             fill(image, x, top + row * size, size, rim ? std::max(1, size / 2) : 0, rim ? 0 : 240);
           }
@@ -85,6 +75,12 @@ void write_line(Image& image, std::string_view line, int top, int size) {
 }
 
 }  // namespace
+
+const Glyph& glyph_of(char character) {
+  const auto named = [](char c) { return [c](const Glyph& g) { return g.character == c; }; };
+  const Glyph* found = std::find_if(std::begin(kGlyphs), std::end(kGlyphs), named(character));
+  return found != std::end(kGlyphs) ? *found : *std::find_if(std::begin(kGlyphs), std::end(kGlyphs), named('?'));
+}
 
 void write_caption(Image& image, std::string_view text) {
   std::vector<std::string_view> lines;

@@ -5,13 +5,16 @@
 #include <cmath>
 #include <limits>
 #include <string>
+#include <string_view>
 #include <utility>
 #include <vector>
 
 #include "anthesis/base/assert.h"
 #include "anthesis/base/check.h"
 #include "anthesis/base/math.h"
-#include "cut_mesh.h"
+#include "cut_veins.h"
+#include "glyphs.h"
+#include "polygon.h"
 #include "view_axes.h"
 
 namespace anthesis {
@@ -27,6 +30,7 @@ constexpr double kSkin = 0.012;         // from the outline, where the florets' 
 constexpr double kLine = 0.0065;        // radius of the section's line
 constexpr double kBar = 0.011;          // radius of the scale bar
 constexpr double kBarGap = 0.13;        // from the head down to it
+constexpr double kLetter = 0.09;        // height of the letters beside it
 constexpr double kLargestBead = 0.035;  // radius
 
 constexpr Veil kFilm = {.facing = 0.012, .edge = 0.75, .doublings = 3};
@@ -72,7 +76,7 @@ std::vector<Pigment> pigments_of_veins(const Backdrop& backdrop) {
           matt("section", line, 0.0, 0.3),
           matt("bract", srgb(206, 224, 150), 0.2, 0.0),
           matt("floret bead", srgb(250, 240, 214), 0.2, 0.0),
-          matt("scale bar", srgb(250, 250, 250), 0.0, 0.3)};
+          matt("scale bar", light ? srgb(40, 44, 40) : srgb(250, 250, 250), 0.0, 0.3)};
 }
 
 std::optional<Error> check_outline(std::span<const Vec2> outline_mm) {
@@ -80,6 +84,7 @@ std::optional<Error> check_outline(std::span<const Vec2> outline_mm) {
     return Error{ErrorCode::kInvalidParameter, "outline_mm", "must have at least two points"};
   }
   double length_mm = 0.0;
+  double radius_mm = 0.0;
   for (std::size_t i = 0; i < outline_mm.size(); ++i) {
     const Vec2 p = outline_mm[i];
     if (!(p.x >= 0.0 && p.x <= kFarthest_mm && std::abs(p.y) <= kFarthest_mm)) {
@@ -87,9 +92,10 @@ std::optional<Error> check_outline(std::span<const Vec2> outline_mm) {
                    "must be finite with a radius >= 0"};
     }
     length_mm += i > 0 ? length(p - outline_mm[i - 1]) : 0.0;
+    radius_mm = std::max(radius_mm, p.x);
   }
-  if (!(length_mm > 0.0)) {
-    return Error{ErrorCode::kInvalidParameter, "outline_mm", "must have some length"};
+  if (!(length_mm > 0.0 && radius_mm > 0.0)) {
+    return Error{ErrorCode::kInvalidParameter, "outline_mm", "must have some length and a radius > 0"};
   }
   return std::nullopt;
 }
@@ -222,6 +228,42 @@ Mesh round_line(std::span<const Vec3> points, Vec3 across, double radius) {
   return mesh;
 }
 
+constexpr int kTextGap = 4;  // from a line to the text beside it, in points of a letter
+
+/// From the end of a line to the end of the text beside it.
+double text_width(std::string_view text, double height) {
+  const double points = static_cast<double>(Glyph::kAdvance * text.size()) + kTextGap - 1;
+  return points * height / Glyph::kRows;
+}
+
+/// Flat letters that face the viewer, to the right of a point.
+Mesh text_beside(Vec3 point, const ViewAxes& axes, std::string_view text, double height) {
+  const double dot_mm = height / Glyph::kRows;
+  Mesh mesh;
+  const auto corner = [&](std::size_t letter, int column, int row) {
+    const double across = static_cast<double>(Glyph::kAdvance * letter) + column + kTextGap;
+    mesh.positions_mm.push_back(point + dot_mm * across * axes.right + (0.5 * height - dot_mm * row) * axes.up);
+    mesh.normals.push_back(axes.back);
+  };
+  for (std::size_t i = 0; i < text.size(); ++i) {
+    const Glyph& glyph = glyph_of(text[i]);
+    for (int row = 0; row < Glyph::kRows && text[i] != ' '; ++row) {
+      for (int column = 0; column < Glyph::kColumns; ++column) {
+        if (glyph.lit(column, row)) {
+          const auto first = static_cast<std::uint32_t>(mesh.positions_mm.size());
+          corner(i, column, row);
+          corner(i, column, row + 1);
+          corner(i, column + 1, row + 1);
+          corner(i, column + 1, row);
+          mesh.triangles.push_back({first, first + 1, first + 2});
+          mesh.triangles.push_back({first, first + 2, first + 3});
+        }
+      }
+    }
+  }
+  return mesh;
+}
+
 /// The plane through the axis that faces the viewer.
 struct CuttingPlane {
   Vec3 towards;  ///< the viewer, unit, level
@@ -254,29 +296,37 @@ class VeinScene {
   VeinScene(std::span<const Vec2> outline_mm, const VeinSceneOptions& options)
       : options_(options), plane_(options.view) {
     const HeadExtent present = extent_of(outline_mm);
-    framed_mm_ = options.extent ? options.extent->radius_mm : present.radius_mm;
-    section_ = smooth_section(outline_mm, kSkin * present.radius_mm);
+    extent_ = options.extent.circles_mm.empty() ? present : extent_of(options.extent.circles_mm);
+    framed_mm_ = extent_.radius_mm();
+    section_ = smooth_section(outline_mm, kSkin * present.radius_mm());
     scene_.backdrop = options.backdrop;
     scene_.pigments = pigments_of_veins(options.backdrop);
   }
 
+  /// What of the strands is to be seen.
+  Vasculature opened(const Vasculature& veins) const {
+    VeinCutParams params;
+    params.radius_factor = options_.tubes.radius_factor;
+    if (options_.cut == HeadCut::kHalf) {
+      return cut(veins, {plane_.towards, 0.0}, params);
+    }
+    params.most_reach_mm = slice_mm();
+    return cut(cut(veins, {plane_.towards, slice_mm()}, params), {-plane_.towards, slice_mm()}, params);
+  }
+
   void add_strands(VeinTubes tubes) {
-    LabelledMesh strands{std::move(tubes.mesh), {}};
-    for (const VeinKind kind : tubes.kind) {
-      strands.labels.push_back(static_cast<std::uint8_t>(kind));
-    }
-    if (options_.cut != HeadCut::kWhole) {
-      strands = cut(strands, {plane_.towards, options_.cut == HeadCut::kSlice ? slice_mm() : 0.0});
-    }
-    if (options_.cut == HeadCut::kSlice) {
-      strands = cut(strands, {-plane_.towards, slice_mm()});
+    // The flat ends of strands that come up aslant would stick out below the base.
+    const auto lower = [](Vec2 p, Vec2 q) { return p.y < q.y; };
+    const double lowest_mm = std::min_element(section_.points.begin(), section_.points.end(), lower)->y;
+    for (Vec3& p : tubes.mesh.positions_mm) {
+      p.z = std::max(p.z, lowest_mm);
     }
     // A row of triangles between two kinds is all of one, so that their border runs straight around the tube.
     std::array<std::vector<Triangle>, 3> by_kind;
-    for (const Triangle& t : strands.mesh.triangles) {
-      by_kind[std::min({strands.labels[t[0]], strands.labels[t[1]], strands.labels[t[2]]})].push_back(t);
+    for (const Triangle& t : tubes.mesh.triangles) {
+      by_kind[static_cast<std::size_t>(std::min({tubes.kind[t[0]], tubes.kind[t[1]], tubes.kind[t[2]]}))].push_back(t);
     }
-    SceneMesh mesh{std::move(strands.mesh), {}};
+    SceneMesh mesh{std::move(tubes.mesh), {}};
     mesh.mesh.triangles.clear();
     for (std::uint32_t kind = 0; kind < by_kind.size(); ++kind) {
       const auto first = static_cast<std::uint32_t>(mesh.mesh.triangles.size());
@@ -352,25 +402,35 @@ class VeinScene {
     }
   }
 
-  /// What the camera frames, as points without triangles; with the scale bar below them.
+  /// What the camera frames, as points without triangles; with the scale bar and its length below them.
   Scene finish() && {
-    Section frame = section_;
-    if (options_.extent) {
-      const HeadExtent& extent = *options_.extent;
-      frame.points = {{extent.radius_mm, extent.lowest_mm}, {extent.radius_mm, extent.highest_mm}};
-      frame.normals = {{1.0, 0.0}, {1.0, 0.0}};
+    SceneMesh points;
+    std::vector<Vec3>& framed = points.mesh.positions_mm;
+    // The film and the section's line lie around the outlines.
+    const double around_mm = (kSkin + kLine) * framed_mm_;
+    for (int j = 0; j < kAround; ++j) {
+      const math::SinCos azimuth = math::sin_cos(math::kTurnRad * j / kAround);
+      for (const Vec2 circle : extent_.circles_mm) {
+        for (int k = 0; k <= kRoundSides; ++k) {
+          const math::SinCos angle = math::sin_cos(math::kPi * k / kRoundSides);
+          const double radius = circle.x + around_mm * angle.sin;
+          framed.push_back({radius * azimuth.cos, radius * azimuth.sin, circle.y + around_mm * angle.cos});
+        }
+      }
     }
-    SceneMesh points{revolved(frame, 0.0, math::kTurnRad, kAround), {}};
-    points.mesh.triangles.clear();
     if (options_.scale_bar) {
-      const std::array<Vec3, 2> ends = bar_ends(points.mesh.positions_mm);
-      const Vec3 across = axes_of(options_.view).back;
-      const Mesh bar = round_line(ends, across, kBar * framed_mm_);
-      points.mesh.positions_mm.insert(points.mesh.positions_mm.end(), bar.positions_mm.begin(), bar.positions_mm.end());
-      add_plain(bar, kBarPigment);
+      const ViewAxes axes = axes_of(options_.view);
+      const std::string length = to_text(scale_bar_mm(framed_mm_)) + " mm";
+      const double letter_mm = kLetter * framed_mm_;
+      const std::array<Vec3, 2> ends = bar_ends(framed, text_width(length, letter_mm));
+      const Mesh bar = round_line(ends, axes.back, kBar * framed_mm_);
+      const Mesh label = text_beside(ends[1], axes, length, letter_mm);
+      for (const Mesh& part : {bar, label}) {
+        framed.insert(framed.end(), part.positions_mm.begin(), part.positions_mm.end());
+        add_plain(part, kBarPigment);
+      }
     }
-    add_haze(points.mesh.positions_mm);
-    points.mesh.normals.clear();
+    add_haze(framed);
     add(std::move(points), true);
     return std::move(scene_);
   }
@@ -406,8 +466,9 @@ class VeinScene {
     }
   }
 
-  /// Below `points` in the picture, as deep as their middle, so that the bar is true to scale there.
-  std::array<Vec3, 2> bar_ends(std::span<const Vec3> points) const {
+  /// Below `points` in the picture, as deep as their middle, so that the bar is true to scale there; with room for
+  /// `label_width` to its right.
+  std::array<Vec3, 2> bar_ends(std::span<const Vec3> points, double label_width) const {
     const ViewAxes axes = axes_of(options_.view);
     double lowest = std::numeric_limits<double>::infinity();
     double low_mm = lowest;
@@ -424,12 +485,14 @@ class VeinScene {
       lowest = std::min(lowest, dot(p - middle, axes.up) * distance / (distance - nearer));
     }
     const Vec3 centre = middle + (lowest - kBarGap * framed_mm_) * axes.up;
-    const Vec3 half = 0.5 * scale_bar_mm(framed_mm_) * axes.right;
-    return {centre - half, centre + half};
+    const double bar_mm = scale_bar_mm(framed_mm_);
+    const Vec3 left = centre - 0.5 * (bar_mm + label_width) * axes.right;
+    return {left, left + bar_mm * axes.right};
   }
 
   const VeinSceneOptions& options_;
   CuttingPlane plane_;
+  HeadExtent extent_;
   double framed_mm_ = 1.0;
   Section section_;
   Scene scene_;
@@ -465,17 +528,15 @@ std::optional<Error> check(const VeinSceneOptions& options) {
   if (!(options.slice > 0.0 && options.slice <= 1.0)) {
     return invalid_parameter("slice", "must be > 0 and at most 1", options.slice);
   }
-  if (options.extent) {
-    const HeadExtent& extent = *options.extent;
-    if (!(extent.radius_mm > 0.0 && extent.radius_mm <= kFarthest_mm)) {
-      return invalid_parameter("extent.radius_mm", "must be > 0 and at most a kilometre", extent.radius_mm);
+  for (std::size_t i = 0; i < options.extent.circles_mm.size(); ++i) {
+    const Vec2 circle = options.extent.circles_mm[i];
+    if (!(circle.x >= 0.0 && circle.x <= kFarthest_mm && std::abs(circle.y) <= kFarthest_mm)) {
+      return Error{ErrorCode::kInvalidParameter, "extent.circles_mm[" + std::to_string(i) + "]",
+                   "must be finite with a radius >= 0"};
     }
-    if (!(std::abs(extent.lowest_mm) <= kFarthest_mm)) {
-      return invalid_parameter("extent.lowest_mm", "must be at most a kilometre", extent.lowest_mm);
-    }
-    if (!(extent.highest_mm >= extent.lowest_mm && extent.highest_mm <= kFarthest_mm)) {
-      return invalid_parameter("extent.highest_mm", "must be lowest_mm to a kilometre", extent.highest_mm);
-    }
+  }
+  if (!options.extent.circles_mm.empty() && !(options.extent.radius_mm() > 0.0)) {
+    return Error{ErrorCode::kInvalidParameter, "extent.circles_mm", "must have a radius > 0"};
   }
   return std::nullopt;
 }
@@ -491,15 +552,35 @@ Lighting vein_lighting(const Camera& camera) {
   return lighting;
 }
 
-HeadExtent extent_of(std::span<const Vec2> outline_mm) {
-  ANTHESIS_ASSERT(!outline_mm.empty());
-  HeadExtent extent = {0.0, outline_mm[0].y, outline_mm[0].y};
-  for (const Vec2 p : outline_mm) {
-    extent.radius_mm = std::max(extent.radius_mm, p.x);
-    extent.lowest_mm = std::min(extent.lowest_mm, p.y);
-    extent.highest_mm = std::max(extent.highest_mm, p.y);
+double HeadExtent::radius_mm() const {
+  double radius_mm = 0.0;
+  for (const Vec2 circle : circles_mm) {
+    radius_mm = std::max(radius_mm, circle.x);
   }
-  return extent;
+  return radius_mm;
+}
+
+HeadExtent extent_of(std::span<const Vec2> outline_mm) {
+  std::vector<Vec2> points(outline_mm.begin(), outline_mm.end());
+  std::sort(points.begin(), points.end(), [](Vec2 p, Vec2 q) { return p.y != q.y ? p.y < q.y : p.x > q.x; });
+  // The outer side of the convex hull; the other side is its mirror image.
+  std::vector<Vec2> hull;
+  for (const Vec2 p : points) {
+    if (!hull.empty() && p.y == hull.back().y) {
+      continue;  // within the last circle
+    }
+    while (hull.size() > 1 && cross(hull.back() - hull[hull.size() - 2], p - hull.back()) <= 0.0) {
+      hull.pop_back();
+    }
+    hull.push_back(p);
+  }
+  return {std::move(hull)};
+}
+
+HeadExtent together(const HeadExtent& one, const HeadExtent& other) {
+  std::vector<Vec2> circles_mm = one.circles_mm;
+  circles_mm.insert(circles_mm.end(), other.circles_mm.begin(), other.circles_mm.end());
+  return extent_of(circles_mm);
 }
 
 double scale_bar_mm(double framed_radius_mm) {
@@ -518,11 +599,11 @@ Expected<Scene> make_scene(const Vasculature& veins, std::span<const Vec2> outli
   if (auto error = options.primordia ? check_primordia(veins, primordia) : std::nullopt) {
     return unexpected(*error);
   }
-  Expected<VeinTubes> tubes = vein_tubes(veins, options.tubes);
+  VeinScene scene(outline_mm, options);
+  Expected<VeinTubes> tubes = vein_tubes(options.cut == HeadCut::kWhole ? veins : scene.opened(veins), options.tubes);
   if (!tubes) {
     return unexpected(tubes.error());
   }
-  VeinScene scene(outline_mm, options);
   scene.add_strands(std::move(*tubes));
   if (options.receptacle) {
     scene.add_receptacle();

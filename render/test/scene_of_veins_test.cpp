@@ -113,19 +113,28 @@ TEST(SceneOfVeins, TheReceptacleHoldsAllStrandsAndCanBeSeenThrough) {
   }
 }
 
-TEST(SceneOfVeins, AHalfHeadHasNothingBeforeThePlaneThatFacesTheViewer) {
+constexpr double kStrandRadius = 0.05;
+
+TEST(SceneOfVeins, AHalfHeadHasNothingFartherBeforeThePlaneThanAStrandIsThick) {
   for (const double azimuth_rad : {-1.57, 0.3, 2.9}) {
     VeinSceneOptions options;
     options.view.azimuth_rad = azimuth_rad;
     options.cut = HeadCut::kHalf;
     options.primordia = true;
+    const Scene scene = scene_of(options);
     double farthest = 0.0;
-    for (const Vec3& p : drawn(scene_of(options))) {
+    for (const Vec3& p : drawn(scene)) {
       const double before = dot(p, towards_viewer(options.view));
-      EXPECT_LE(before, 1e-9);
+      EXPECT_LE(before, kStrandRadius + 1e-9);
       farthest = std::min(farthest, before);
     }
     EXPECT_LT(farthest, -2.0);
+    // The film itself ends at the plane.
+    for (const Instance& instance : scene.instances) {
+      for (const Vec3& p : scene.meshes[instance.mesh].mesh.positions_mm) {
+        EXPECT_TRUE(!instance.veil || dot(p, towards_viewer(options.view)) <= 1e-9);
+      }
+    }
   }
 }
 
@@ -144,9 +153,48 @@ TEST(SceneOfVeins, ASliceIsAsThickAsAskedAndAsWideAsTheHead) {
     farthest = std::min(farthest, dot(p, towards));
     widest = std::max(widest, length(p - dot(p, towards) * towards));
   }
-  EXPECT_NEAR(nearest, 0.6, 1e-9);  // strands are cut on both sides
-  EXPECT_NEAR(farthest, -0.6, 1e-9);
+  EXPECT_NEAR(nearest, 0.6, kStrandRadius);  // strands are cut on both sides
+  EXPECT_NEAR(farthest, -0.6, kStrandRadius);
   EXPECT_NEAR(widest, 2.0, 0.1);
+}
+
+TEST(SceneOfVeins, NoStrandIsShavedLengthwise) {
+  VeinSceneOptions options;
+  options.view.azimuth_rad = 0.01;  // two of the strands lie nearly in the plane
+  for (const HeadCut cut : {HeadCut::kHalf, HeadCut::kSlice}) {
+    options.cut = cut;
+    options.slice = 0.01;
+    const Scene scene = scene_of(options);
+    const Scene uncut = scene_of({});
+    const Mesh& whole = uncut.meshes[0].mesh;
+    const Mesh& strands = scene.meshes[0].mesh;
+    ASSERT_FALSE(strands.triangles.empty());
+    const auto thinnest = [](const Mesh& mesh) {
+      double least = 1e9;
+      for (const auto& [a, b, c] : mesh.triangles) {
+        const Vec3 pa = mesh.positions_mm[a];
+        const Vec3 pb = mesh.positions_mm[b];
+        const Vec3 pc = mesh.positions_mm[c];
+        const double longest = std::max({length(pb - pa), length(pc - pb), length(pa - pc)});
+        least = std::min(least, length(cross(pb - pa, pc - pa)) / longest);
+      }
+      return least;
+    };
+    EXPECT_GT(thinnest(strands), 0.9 * thinnest(whole));
+  }
+}
+
+TEST(SceneOfVeins, StrandsThatComeUpAslantEndAtTheBase) {
+  HeadOfSpokes head = spokes();
+  for (std::uint32_t i = 0; i < 12; ++i) {
+    VeinVertex& middle = head.veins.vertices[12 + i];
+    middle.position = Vec3{1.5 * middle.position.x, 1.5 * middle.position.y, 0.2};
+  }
+  double lowest = 1.0;
+  for (const Vec3& p : drawn(scene_of({}, head))) {
+    lowest = std::min(lowest, p.z);
+  }
+  EXPECT_NEAR(lowest, 0.0, 1e-3);
 }
 
 TEST(SceneOfVeins, TheCameraFramesTheHeadWhateverIsCutAway) {
@@ -159,30 +207,85 @@ TEST(SceneOfVeins, TheCameraFramesTheHeadWhateverIsCutAway) {
   }
 }
 
-TEST(SceneOfVeins, FramesOfAnAnimationShareOneScale) {
-  VeinSceneOptions options;
-  options.view = View::side();
-  options.scale_bar = true;
-  options.extent = HeadExtent{3.0, -1.0, 4.0};
-  const HeadOfSpokes head = spokes();
-  const Camera grown = frame(scene_of(options, head), options.view, 1, 1);
-  const std::vector<Vec2> young_outline = {{0.0, 0.2}, {0.1, 0.1}, {0.1, 0.0}};
-  const auto young = make_scene(Vasculature{}, young_outline, {}, options);
-  ASSERT_TRUE(young.has_value());
-  EXPECT_EQ(frame(*young, options.view, 1, 1).position_mm, grown.position_mm);
-  // The whole cylinder is in the picture.
-  for (const Vec3 p : {Vec3{3, 0, -1}, Vec3{-3, 0, 4}, Vec3{0, -3, 4}}) {
-    const Vec3 at = grown.project(p);
-    EXPECT_GT(std::min(at.x, at.y), 0.0);
-    EXPECT_LT(std::max(at.x, at.y), 1.0);
+/// Where points show: least and greatest x and y.
+struct Box {
+  double left = 1e9;
+  double right = -1e9;
+  double upper = 1e9;
+  double lower = -1e9;
+};
+
+Box box_of(const Camera& camera, const std::vector<Vec3>& points) {
+  Box box;
+  for (const Vec3& p : points) {
+    const Vec3 at = camera.project(p);
+    box.left = std::min(box.left, at.x);
+    box.right = std::max(box.right, at.x);
+    box.upper = std::min(box.upper, at.y);
+    box.lower = std::max(box.lower, at.y);
+  }
+  return box;
+}
+
+TEST(SceneOfVeins, AHeadFillsThePictureAndStandsInItsMiddle) {
+  std::vector<Vec2> top;  // wide at the top, with a narrow base
+  for (const Vec2 p : dome()) {
+    top.push_back({p.x, 0.3 * p.y});
+  }
+  top.push_back({1.2, -0.5});
+  top.push_back({0.6, -1.0});
+  std::vector<Vec2> cone;
+  for (int i = 0; i <= 20; ++i) {
+    cone.push_back({0.05 * i, 4.0 - 0.2 * i});
+  }
+  View aside;
+  aside.azimuth_rad = 2.0;
+  aside.elevation_rad = -0.7;
+  for (const std::vector<Vec2>& outline : {top, cone}) {
+    for (const View& view : {View::side(), View::front(), View::three_quarter(), View::top(), View::bottom(), aside}) {
+      VeinSceneOptions options;
+      options.view = view;
+      for (const double width : {0.5, 1.0, 2.0}) {
+        options.scale_bar = false;
+        const auto plain = make_scene(Vasculature{}, outline, {}, options);
+        ASSERT_TRUE(plain.has_value());
+        const Box head = box_of(frame(*plain, view, width, 1.0), drawn(*plain));
+        // Centred across, as well as along what is tight; nearly so along the other, in perspective.
+        const double across = head.right - head.left;
+        const double down = head.lower - head.upper;
+        EXPECT_NEAR(std::max(across, down), 0.88, 0.015);
+        EXPECT_NEAR(0.5 * (head.left + head.right), 0.5, 1e-3);
+        EXPECT_NEAR(0.5 * (head.upper + head.lower), 0.5, down > across ? 0.01 : 0.04);
+        options.scale_bar = true;
+        const auto scene = make_scene(Vasculature{}, outline, {}, options);
+        const Box all = box_of(frame(*scene, view, width, 1.0), drawn(*scene));
+        EXPECT_NEAR(std::max(all.right - all.left, all.lower - all.upper), 0.88, 0.02);
+        EXPECT_GT(std::min({all.left, 1.0 - all.right, all.upper, 1.0 - all.lower}), 0.05);
+      }
+    }
   }
 }
 
-TEST(SceneOfVeins, TheExtentOfAnOutlineIsItsBox) {
-  const HeadExtent extent = extent_of(dome());
-  EXPECT_DOUBLE_EQ(extent.radius_mm, 2.0);
-  EXPECT_NEAR(extent.lowest_mm, 0.0, 1e-12);
-  EXPECT_DOUBLE_EQ(extent.highest_mm, 2.0);
+TEST(SceneOfVeins, FramesOfAnAnimationShareOneScale) {
+  const std::vector<Vec2> young_outline = {{0.0, 0.2}, {0.1, 0.1}, {0.1, 0.0}};
+  VeinSceneOptions options;
+  options.view = View::side();
+  options.scale_bar = true;
+  options.extent = together(extent_of(young_outline), extent_of(dome()));
+  const Camera grown = frame(scene_of(options), options.view, 1, 1);
+  const auto young = make_scene(Vasculature{}, young_outline, {}, options);
+  ASSERT_TRUE(young.has_value());
+  EXPECT_EQ(frame(*young, options.view, 1, 1).position_mm, grown.position_mm);
+}
+
+TEST(SceneOfVeins, TheExtentHoldsEveryCircleOfItsHeads) {
+  const std::vector<Vec2> vase = {{0, 3}, {1, 3}, {0.5, 2}, {2, 1}, {1.2, 0.9}, {1.5, 0}, {0.5, 0}, {0.7, 0.1}};
+  EXPECT_EQ(extent_of(vase).circles_mm, (std::vector<Vec2>{{1.5, 0}, {2, 1}, {1, 3}}));
+  EXPECT_DOUBLE_EQ(extent_of(vase).radius_mm(), 2.0);
+  const std::vector<Vec2> stalk = {{0.1, 3.5}, {0.1, -5}};
+  EXPECT_EQ(together(extent_of(vase), extent_of(stalk)).circles_mm,
+            (std::vector<Vec2>{{0.1, -5}, {2, 1}, {1, 3}, {0.1, 3.5}}));
+  EXPECT_EQ(together({}, extent_of(vase)).circles_mm, extent_of(vase).circles_mm);
 }
 
 TEST(SceneOfVeins, TheScaleBarIsARoundNumberAtMostHalfTheRadius) {
@@ -201,13 +304,14 @@ TEST(SceneOfVeins, TheScaleBarLiesBelowTheHeadAndIsTrueToScale) {
     const Scene plain = scene_of(options);
     options.scale_bar = true;
     const Scene scene = scene_of(options);
-    ASSERT_EQ(scene.instances.size(), plain.instances.size() + 1);
+    ASSERT_EQ(scene.instances.size(), plain.instances.size() + 2);  // and its length
     const Camera camera = frame(scene, view, 1, 1);
     double lowest = 0.0;
     for (const Vec3& p : drawn(plain)) {
       lowest = std::max(lowest, camera.project(p).y);
     }
-    const Mesh& bar = scene.meshes[scene.instances[scene.instances.size() - 2].mesh].mesh;
+    const Mesh& bar = scene.meshes[scene.instances[scene.instances.size() - 3].mesh].mesh;
+    const Mesh& label = scene.meshes[scene.instances[scene.instances.size() - 2].mesh].mesh;
     double left = 1e9;
     double right = -1e9;
     for (const Vec3& p : bar.positions_mm) {
@@ -217,6 +321,13 @@ TEST(SceneOfVeins, TheScaleBarLiesBelowTheHeadAndIsTrueToScale) {
       EXPECT_LT(camera.project(p).y, 1.0);
     }
     EXPECT_NEAR(right - left, scale_bar_mm(2.0), 1e-9);
+    ASSERT_FALSE(label.triangles.empty());
+    const Box bar_box = box_of(camera, bar.positions_mm);
+    const Box letters = box_of(camera, label.positions_mm);
+    EXPECT_GT(letters.left, bar_box.right);
+    EXPECT_GT(letters.upper, lowest);
+    EXPECT_NEAR(letters.upper + letters.lower, bar_box.upper + bar_box.lower, 0.01);
+    EXPECT_NEAR(0.5 * (bar_box.left + letters.right), 0.5, 0.01);
   }
 }
 
@@ -274,7 +385,7 @@ TEST(SceneOfVeins, NamesWhatIsWrong) {
   const HeadOfSpokes head = spokes();
   const auto where = [&](auto spoil) {
     VeinSceneOptions options;
-    options.extent = HeadExtent{};
+    options.extent.circles_mm = {{1.0, 0.0}, {1.0, 1.0}};
     options.primordia = true;
     HeadOfSpokes spoilt = head;
     std::vector<Vec2> outline = dome();
@@ -290,11 +401,19 @@ TEST(SceneOfVeins, NamesWhatIsWrong) {
   EXPECT_EQ(where([](Options& o, HeadOfSpokes&, Outline&) { o.haze = 1.5; }), "haze");
   EXPECT_EQ(where([](Options& o, HeadOfSpokes&, Outline&) { o.view.margin = 1.0; }), "view.margin");
   EXPECT_EQ(where([](Options& o, HeadOfSpokes&, Outline&) { o.tubes.sides = 2; }), "tubes.sides");
-  EXPECT_EQ(where([](Options& o, HeadOfSpokes&, Outline&) { o.extent->radius_mm = 0.0; }), "extent.radius_mm");
-  EXPECT_EQ(where([&](Options& o, HeadOfSpokes&, Outline&) { o.extent->lowest_mm = nan; }), "extent.lowest_mm");
-  EXPECT_EQ(where([](Options& o, HeadOfSpokes&, Outline&) { o.extent->highest_mm = -1.0; }), "extent.highest_mm");
+  const auto where_circle = [&](Vec2 circle) {
+    return where([&](Options& o, HeadOfSpokes&, Outline&) { o.extent.circles_mm[1] = circle; });
+  };
+  EXPECT_EQ(where_circle({0.0, 2.0}), "nothing");
+  EXPECT_EQ(where_circle({-1.0, 0.0}), "extent.circles_mm[1]");
+  EXPECT_EQ(where_circle({1.0, nan}), "extent.circles_mm[1]");
+  EXPECT_EQ(where([](Options& o, HeadOfSpokes&, Outline&) {
+              o.extent.circles_mm = {{0.0, 1.0}};
+            }),
+            "extent.circles_mm");
   EXPECT_EQ(where([](Options&, HeadOfSpokes&, Outline& p) { p.resize(1); }), "outline_mm");
   EXPECT_EQ(where([](Options&, HeadOfSpokes&, Outline& p) { p.assign(5, Vec2{1, 1}); }), "outline_mm");
+  EXPECT_EQ(where([](Options&, HeadOfSpokes&, Outline& p) { p = {{0, 0}, {0, 1}}; }), "outline_mm");
   EXPECT_EQ(where([&](Options&, HeadOfSpokes&, Outline& p) { p[3].y = nan; }), "outline_mm[3]");
   EXPECT_EQ(where([](Options&, HeadOfSpokes&, Outline& p) { p[4].x = -1.0; }), "outline_mm[4]");
   EXPECT_EQ(where([](Options&, HeadOfSpokes& h, Outline&) { h.primordia.pop_back(); }), "primordia");

@@ -138,26 +138,26 @@ class Measuring {
     bool on_own = true;
     bool known = false;  // a vertex on the axis has no azimuth
     double azimuth = 0.0;
-    double at = 0.0;  // azimuth followed along the way
+    double least = 0.0;  // turned so far, at most to either side
+    double most = 0.0;
     for (std::uint32_t v = strand.vertex; v != kNoVertex; v = parent(v)) {
       const Vec3 p = position(v);
       if (p.x != 0.0 || p.y != 0.0) {
         const double next = math::atan2(p.y, p.x);
-        if (!known) {
-          at = next;
-        } else {
+        if (known) {
           double turn = next - azimuth;
           turn -= math::kTurnRad * std::round(turn / math::kTurnRad);
           strand.turned_rad += turn;
-          strand.sectors_crossed +=
-              static_cast<int>(std::abs(std::floor((at + turn) * per_radian_) - std::floor(at * per_radian_)));
-          at += turn;
+          least = std::min(least, strand.turned_rad);
+          most = std::max(most, strand.turned_rad);
         }
         azimuth = next;
         known = true;
       }
       if (parent(v) == kNoVertex) {
         strand.bundle = v;
+        strand.sectors_crossed =
+            static_cast<int>(std::floor(most * per_radian_ + 0.5) - std::floor(least * per_radian_ + 0.5));
         break;
       }
       strand.length_to_ring += edge(v);

@@ -41,6 +41,13 @@ class Checker {
       number(point, course.points[i].x, i == 0 ? 0.0 : course.points[i - 1].x, 1.0);
     }
   }
+  /// A length that depends on the step.
+  void at_least(const std::string& where, double value, double least, const char* least_name) {
+    number(where, value, 0.0, kMost);
+    if (!error && value < least) {
+      error = invalid_parameter(where, std::string("must be at least ") + least_name + ", " + to_text(least), value);
+    }
+  }
   void jitter(const std::string& where, const VeinJitter& jitter) {
     number(where + ".probability", jitter.probability, 0.0, 1.0);
     number(where + ".strength", jitter.strength, 0.0, 100.0);
@@ -84,10 +91,10 @@ std::optional<Error> check(const VeinParams& params) {
   checker.number("sector_weight", params.sector_weight, 0.0, kMost);
   checker.number("inward_limit", params.inward_limit, -1.0, 1.0);
   checker.number("step_mm", params.step_mm, kSmall, kMost);
-  checker.number("merge_distance_mm", params.merge_distance_mm, 0.5 * params.step_mm, kMost);
+  checker.at_least("merge_distance_mm", params.merge_distance_mm, 0.5 * params.step_mm, "half of step_mm");
   checker.number("momentum", params.momentum, 0.0, kMost);
   checker.number("drift", params.drift, 0.0, 1.0);
-  checker.number("split_length_mm", params.split_length_mm, params.step_mm, kMost);
+  checker.at_least("split_length_mm", params.split_length_mm, params.step_mm, "step_mm");
   const VeinReticulation& reticulation = params.reticulation;
   checker.whole("reticulation.delay_frames", reticulation.delay_frames, 0, kMostFrames);
   checker.number("reticulation.ratio_limit", reticulation.ratio_limit, 0.0, kMost);

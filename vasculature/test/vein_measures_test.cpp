@@ -75,6 +75,21 @@ TEST(Measure, FollowsAStrandToTheRing) {
   EXPECT_EQ(m.strands[0].sectors_crossed, 0);
 }
 
+TEST(Measure, DoesNotTakeJitterForTurning) {
+  // A strand that goes straight down beside the border of a sector, a little to one side and the other.
+  Vasculature veins;
+  veins.ring_vertices = 1;
+  veins.vertices = {vertex({-1, 0, 0}, kNoVertex, kNoPrimordium)};
+  for (std::uint32_t v = 1; v <= 20; ++v) {
+    veins.vertices.push_back(vertex({-1, v % 2 == 0 ? 0.01 : -0.01, 0.1 * v}, v - 1, 3));
+  }
+  veins.primordia = {20};
+  EXPECT_EQ(measure(veins, 34).strands[0].sectors_crossed, 0);
+  // Out to the next sector and back again: one.
+  veins.vertices[10].position = {-1, -0.2, 1};
+  EXPECT_EQ(measure(veins, 34).strands[0].sectors_crossed, 1);
+}
+
 TEST(Measure, CountsLoopsWithAndWithoutTheRing) {
   Vasculature veins = small_head();
   veins.second_connections.push_back({3, 6, 10, 0.1});  // within one tree

@@ -47,7 +47,7 @@ TEST(VeinParams, ErrorsNameTheField) {
   params.merge_distance_mm = 0.4 * params.step_mm;  // a strand could jump over what it is to join
   error = check(params);
   ASSERT_TRUE(error.has_value());
-  EXPECT_EQ(error->where, "merge_distance_mm");
+  EXPECT_EQ(to_string(*error), "merge_distance_mm must be at least half of step_mm, 0.01, got 0.008");
 }
 
 }  // namespace

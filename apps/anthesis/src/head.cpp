@@ -31,8 +31,11 @@ Species read_species_or_folder(const HeadArguments& arguments) {
   }
   const std::vector<std::string_view> sources(kVeinSourceNames.begin(), kVeinSourceNames.end());
   VlabScale scale;
-  scale.like = arguments.like.empty() ? head_model_in(arguments.species).value_or(HeadModel::kSunflower)
-                                      : head_model(arguments.like);
+  scale.like = arguments.like.empty() ? head_model_in(arguments.species) : head_model(arguments.like);
+  if (!scale.like) {
+    throw usage("files of VLab state neither size nor veins: say --like bellis, sunflower or gerbera for " +
+                arguments.species);
+  }
   scale.source = arguments.source.empty() ? VeinSource::kAsPublished
                                           : static_cast<VeinSource>(parse_word("--source", arguments.source, sources));
   const VlabObject object = value_of(read_vlab_object(vlab_files_of(arguments.species)));
@@ -91,8 +94,8 @@ Species find_head(const HeadArguments& arguments) {
   }
   Species species = read_species_or_folder(arguments);
   if (!species.vasculature) {
-    throw failure(
-        {ErrorCode::kInvalidParameter, species.name, "must have a table [vasculature], as sunflower-head has"});
+    throw failure({ErrorCode::kInvalidParameter, species.name,
+                   "must have a table [vasculature], as bellis-head or sunflower-head has"});
   }
   for (const std::string& setting : arguments.with) {
     set(species, "--with", parse_setting("--with", setting));

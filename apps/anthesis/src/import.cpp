@@ -1,4 +1,5 @@
 #include <array>
+#include <optional>
 
 #include "anthesis/base/version.h"
 #include "anthesis/exchange/species_file.h"
@@ -16,6 +17,7 @@ struct Arguments {
   std::string folder;
   std::vector<std::string> outputs;
   VlabScale scale;
+  std::optional<double> width_mm;
   std::string like;
   bool json = false;
 };
@@ -30,9 +32,15 @@ void run(const Arguments& arguments) {
   }
   VlabScale scale = arguments.scale;
   scale.like = arguments.like.empty() ? head_model_in(arguments.folder) : head_model(arguments.like);
+  scale.width_mm = arguments.width_mm.value_or(scale.width_mm);
   Report report;
   const VlabObject object =
       report.time("read", [&] { return value_of(read_vlab_object(vlab_files_of(arguments.folder))); });
+  if (object.contours.size() > 1 && !scale.like && !arguments.width_mm) {
+    throw usage(
+        "files of VLab state neither size nor veins of a growing head: say --like bellis, sunflower or gerbera, "
+        "or --width-mm for a head without veins");
+  }
   const Species species = value_of(species_from_vlab(name_of_folder(arguments.folder), object, scale));
   write_output(report, outputs[0].path, write_species(species));
   report.values["species"] = species.name;
@@ -48,7 +56,7 @@ void run(const Arguments& arguments) {
 
 Command add_import(CLI::App& app) {
   CLI::App* command = add_command(app, "import", "Make a species file of another program's model",
-                                  "  anthesis import vlab my-head -o head.toml\n"
+                                  "  anthesis import vlab my-head --like sunflower -o head.toml\n"
                                   "  anthesis import vlab ridley -o ridley.toml --width-mm 30");
   auto arguments = std::make_shared<Arguments>();
   command->add_option("PROGRAM", arguments->program, "What the model is from: vlab")->required()->type_name("");
@@ -58,8 +66,8 @@ Command add_import(CLI::App& app) {
       ->required()
       ->type_name("");
   add_outputs(*command, arguments->outputs, kFormats);
-  add_number(*command, "--width-mm", arguments->scale.width_mm, {0.01, 10000.0},
-             "Greatest width of the mature receptacle in mm; not with --like");
+  add_number(*command, "--width-mm", arguments->width_mm, {0.01, 10000.0},
+             "Greatest width of the mature receptacle in mm, 20 if left out; not with --like");
   add_number(*command, "--radius-factor", arguments->scale.radius_factor, {0.0, 1000.0, true, false},
              "Factor of the function rho");
   command

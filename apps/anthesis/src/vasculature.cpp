@@ -19,6 +19,7 @@
 #include "collision_options.h"
 #include "head.h"
 #include "outputs.h"
+#include "vein_figures.h"
 #include "vein_pictures.h"
 #include "vein_study.h"
 
@@ -57,27 +58,46 @@ struct Made {
   const Arguments& arguments;
   const Species& species;
   const GrownHead& head;
-  const VasculatureMeasures& measures;
-  MadeFrom lines;
 
   const HeadMoment& last() const { return head.moments.back(); }
+  MadeFrom lines(const HeadMoment& moment) const { return made_from(arguments.head, species, moment); }
 };
 
-std::string csv(const Made& made, const Output& output) {
+std::string csv(const Made& made, const HeadMoment& moment, const Output& output) {
   if (is_about(output, "primordia")) {
-    return vein_primordia_csv(made.last().veins, made.head.primordia, made.lines);
+    return vein_primordia_csv(moment.veins, made.head.primordia, made.lines(moment));
   }
   if (is_about(output, "measures")) {
-    return vein_measures_csv(made.measures, made.head.primordia, made.lines);
+    return vein_measures_csv(measure(moment.veins), made.head.primordia, made.lines(moment));
   }
-  return veins_csv(made.last().veins, made.lines);
+  return veins_csv(moment.veins, made.lines(moment));
+}
+
+/// What was measured of the head at each moment.
+std::string development_csv(const Made& made) {
+  std::string table = fmt::format("# generator: Anthesis {}\n", kVersion);
+  for (const auto& [key, value] : made.lines(made.last())) {
+    if (key != "time") {
+      table += fmt::format("# {}: {}\n", key, value);
+    }
+  }
+  for (const HeadMoment& moment : made.head.moments) {
+    std::string header = "time,frame";
+    std::string row = fmt::format("{},{}", to_text(moment.time), moment.frame);
+    for (const auto& [key, value] : figures_of(moment.veins, made.head.primordia, measure(moment.veins))) {
+      header += "," + key;
+      row += "," + value;
+    }
+    table += (&moment == &made.head.moments.front() ? header + "\n" : "") + row + "\n";
+  }
+  return table;
 }
 
 std::string glb(const Made& made) {
   VeinGlbParams params;
   params.tubes.sides = made.arguments.sides;
   params.receptacle_alpha = made.arguments.picture.no_receptacle ? 0.0 : params.receptacle_alpha;
-  VeinGlb glb(params, made.lines);
+  VeinGlb glb(params, made.lines(made.last()));
   for (const HeadMoment& moment : made.head.moments) {
     const std::vector<Vec2> outline = outline_of(made.head.contours, moment.frame);
     if (auto error = glb.add({moment.time, &moment.veins, outline})) {
@@ -137,8 +157,14 @@ std::string prims(const Made& made, const Output& output) {
 }
 
 /// flower_0012.png
-std::string numbered(const std::string& path, std::size_t frame) {
-  return fmt::format("{}_{:04d}.png", without_extension(path), frame);
+std::string numbered(const Output& output, std::size_t moment) {
+  return fmt::format("{}_{:04d}.{}", without_extension(output.path), moment, output.format);
+}
+
+/// Files that hold one moment, of which --frames makes several.
+bool holds_a_moment(const Output& output) {
+  return output.format == "swc" || output.format == "ply" ||
+         (output.format == "csv" && !is_about(output, "development"));
 }
 
 void write_pictures(const Made& made, const Output& output, const VeinPhotographer& photographer, Report& report,
@@ -146,7 +172,7 @@ void write_pictures(const Made& made, const Output& output, const VeinPhotograph
   const Arguments& arguments = made.arguments;
   const HeadExtent extent = extent_of(made.head);
   if (arguments.picture.scale_bar) {
-    report.values["scale_bar_mm"] = scale_bar_mm(extent.radius_mm);
+    report.values["scale_bar_mm"] = scale_bar_mm(extent.radius_mm());
   }
   std::vector<Image> images;
   for (std::size_t i = 0; i < made.head.moments.size(); ++i) {
@@ -162,20 +188,19 @@ void write_pictures(const Made& made, const Output& output, const VeinPhotograph
     if (arguments.picture.own_size) {
       std::string caption = fmt::format("time {:.3g}", moment.time);
       if (arguments.picture.scale_bar) {
-        caption += fmt::format(", bar {} mm", to_text(scale_bar_mm(own.radius_mm)));
+        caption += fmt::format(", bar {} mm", to_text(scale_bar_mm(own.radius_mm())));
       }
       write_caption(images.back(), caption);
     }
     if (!arguments.columns) {
-      const MadeFrom lines = made_from(arguments.head, made.species, moment);
-      write_output(report, arguments.frames ? numbered(output.path, i) : output.path,
-                   value_of(encode_png(images.back(), png_texts(lines))));
+      write_output(report, arguments.frames ? numbered(output, i) : output.path,
+                   value_of(encode_png(images.back(), png_texts(made.lines(moment)))));
       images.clear();
     }
   }
   if (arguments.columns) {
     const Image sheet = contact_sheet(images, std::min<int>(*arguments.columns, static_cast<int>(images.size())));
-    write_output(report, output.path, value_of(encode_png(sheet, png_texts(made.lines))));
+    write_output(report, output.path, value_of(encode_png(sheet, png_texts(made.lines(made.last())))));
   }
 }
 
@@ -205,27 +230,27 @@ void write_weights(const Output& output, const GrownHead& head, Report& report, 
   report.add_hashed_output(output.path, hash.digits());
 }
 
-void describe(const Made& made, Report& report) {
+void describe(const Made& made, const VasculatureMeasures& measures, Report& report) {
   std::size_t unconnected = 0;
   auto kinds = nlohmann::ordered_json::object();
   for (std::size_t i = 0; i < made.head.primordia.size(); ++i) {
     auto& count = kinds[std::string(primordium_kind_name(made.head.primordia[i].kind))];
     count = count.is_null() ? 1 : count.get<int>() + 1;
-    unconnected += made.measures.strands[i].vertex != kNoVertex && !made.measures.strands[i].connected ? 1 : 0;
+    unconnected += measures.strands[i].vertex != kNoVertex && !measures.strands[i].connected ? 1 : 0;
   }
   report.values["species"] = made.species.name;
   report.values["seed"] = made.arguments.head.seed;
   report.values["version"] = kVersion;
   report.values["primordia"] = kinds;
   report.values["vertices"] = made.last().veins.vertices.size();
-  report.values["ring_vertices_used"] = made.measures.bundles;
+  report.values["ring_vertices_used"] = measures.bundles;
   report.values["second_connections"] = made.last().veins.second_connections.size();
   report.values["attraction_points_max"] = made.last().veins.most_attraction_points;
   report.values["unconnected"] = unconnected;
   report.values["brought_back"] = made.head.brought_back;
-  report.values["total_length_mm"] = made.measures.total_length;
-  report.values["loops"] = made.measures.loops;
-  report.values["highest_order"] = made.measures.highest_order;
+  report.values["total_length_mm"] = measures.total_length;
+  report.values["loops"] = measures.loops;
+  report.values["highest_order"] = measures.highest_order;
 }
 
 std::vector<double> times_of(const Arguments& arguments) {
@@ -265,39 +290,43 @@ void run(const Arguments& arguments, Console& console) {
   const Species species = report.time("species", [&] { return find_head(arguments.head); });
   const GrownHead head = grow_head(arguments.head, species, times, report, progress);
   const VasculatureMeasures measures = report.time("measures", [&] { return measure(head.moments.back().veins); });
-  const Made made{arguments, species, head, measures, made_from(arguments.head, species, head.moments.back())};
+  const Made made{arguments, species, head};
+  const auto bytes_of = [&](const Output& output, const HeadMoment& moment) {
+    if (output.format == "swc") {
+      return veins_swc(moment.veins, made.lines(moment));
+    }
+    if (output.format == "ply") {
+      return value_of(veins_ply(moment.veins, {.sides = arguments.sides}, made.lines(moment)));
+    }
+    if (output.format == "glb") {
+      return glb(made);
+    }
+    if (output.format == "svg") {
+      return svg(made, output);
+    }
+    if (output.format == "prims") {
+      return prims(made, output);
+    }
+    if (output.format == "cntrs") {
+      return write_vlab_contour_sequence(vlab_contour_sequence(head.contours));
+    }
+    return is_about(output, "development") ? development_csv(made) : csv(made, moment, output);
+  };
   for (const Output& output : outputs) {
     if (output.format == "png") {
       write_pictures(made, output, photographer, report, progress);
       continue;
     }
-    const std::string bytes = report.time(output.format.c_str(), [&] {
-      if (output.format == "swc") {
-        return veins_swc(made.last().veins, made.lines);
-      }
-      if (output.format == "ply") {
-        return value_of(veins_ply(made.last().veins, {.sides = arguments.sides}, made.lines));
-      }
-      if (output.format == "glb") {
-        return glb(made);
-      }
-      if (output.format == "svg") {
-        return svg(made, output);
-      }
-      if (output.format == "prims") {
-        return prims(made, output);
-      }
-      if (output.format == "cntrs") {
-        return write_vlab_contour_sequence(vlab_contour_sequence(head.contours));
-      }
-      return csv(made, output);
-    });
-    write_output(report, output.path, bytes);
+    const bool several = arguments.frames && holds_a_moment(output);
+    for (std::size_t i = several ? 0 : head.moments.size() - 1; i < head.moments.size(); ++i) {
+      const std::string bytes = report.time(output.format.c_str(), [&] { return bytes_of(output, head.moments[i]); });
+      write_output(report, several ? numbered(output, i) : output.path, bytes);
+    }
   }
   for (const Output& output : weights) {
     write_weights(output, head, report, progress);
   }
-  describe(made, report);
+  describe(made, measures, report);
   if (arguments.json) {
     print(report.text());
   } else if (outputs.empty() && weights.empty()) {
@@ -323,8 +352,9 @@ Command add_vasculature(CLI::App& app) {
   arguments->head.add_to(*command);
   add_number(*command, "--at", arguments->at, {0.0, 1.0},
              "Time of development: 0 first primordium, 1 grown; 1 if left out");
-  add_whole(*command, "--frames", arguments->frames, 1, 250,
-            "So many moments of the development: an animated .glb, pictures x_0000.png, x_0001.png ...");
+  add_whole(
+      *command, "--frames", arguments->frames, 1, 250,
+      "So many moments of the development: an animated .glb; else x_0000.png, x_0001.png ..., so .csv, .swc, .ply");
   add_whole(*command, "--columns", arguments->columns, 1, 100, "Put several pictures into one, so many in a row");
   command
       ->add_option(

@@ -1,6 +1,5 @@
 #include "vein_pictures.h"
 
-#include <algorithm>
 #include <array>
 
 #include "anthesis/base/version.h"
@@ -33,8 +32,7 @@ void VeinPictureOptions::add_to(CLI::App& app) {
   app.add_flag("--show-primordia", primordia, "Pictures: a bead where each primordium stands");
   app.add_flag("--own-size", own_size,
                "Pictures of --frames: each head as large as fits, with its time and the length of its bar");
-  app.add_flag("--scale-bar", scale_bar,
-               "Pictures: a bar below the head, its length in --json and in the file's texts");
+  app.add_flag("--scale-bar", scale_bar, "Pictures: a bar below the head and its length");
 }
 
 VeinPhotographer::VeinPhotographer(const VeinPictureOptions& options) : photographer_(well_sampled(options.picture)) {
@@ -47,7 +45,7 @@ VeinPhotographer::VeinPhotographer(const VeinPictureOptions& options) : photogra
   scene_.scale_bar = options.scale_bar;
 }
 
-Image VeinPhotographer::photograph(const GrownHead& head, const HeadMoment& moment, std::optional<HeadExtent> extent,
+Image VeinPhotographer::photograph(const GrownHead& head, const HeadMoment& moment, const HeadExtent& extent,
                                    const Progress& progress) const {
   VeinSceneOptions options = scene_;
   options.extent = extent;
@@ -56,13 +54,8 @@ Image VeinPhotographer::photograph(const GrownHead& head, const HeadMoment& mome
   return photographer_.photograph(scene, scene, progress, vein_lighting);
 }
 
-HeadExtent together(const HeadExtent& one, const HeadExtent& other) {
-  return {std::max(one.radius_mm, other.radius_mm), std::min(one.lowest_mm, other.lowest_mm),
-          std::max(one.highest_mm, other.highest_mm)};
-}
-
 HeadExtent extent_of(const GrownHead& head) {
-  HeadExtent extent = anthesis::extent_of(outline_of(head.contours, head.moments.front().frame));
+  HeadExtent extent;
   for (const HeadMoment& moment : head.moments) {
     extent = together(extent, anthesis::extent_of(outline_of(head.contours, moment.frame)));
   }

@@ -1,5 +1,4 @@
 #pragma once
-#include <optional>
 #include <string>
 #include <vector>
 
@@ -30,17 +29,14 @@ class VeinPhotographer {
 
   void check_sheet(std::size_t pictures) const { photographer_.check_sheet(pictures); }
 
-  /// A head at a moment, framed by `extent`; none: as large as it is.
-  Image photograph(const GrownHead& head, const HeadMoment& moment, std::optional<HeadExtent> extent,
+  /// A head at a moment, framed by `extent`; nothing: as large as it is.
+  Image photograph(const GrownHead& head, const HeadMoment& moment, const HeadExtent& extent,
                    const Progress& progress) const;
 
  private:
   Photographer photographer_;
   VeinSceneOptions scene_;
 };
-
-/// What holds both.
-HeadExtent together(const HeadExtent& one, const HeadExtent& other);
 
 /// What holds all frames that are shown.
 HeadExtent extent_of(const GrownHead& head);

@@ -12,54 +12,14 @@
 #include "anthesis/exchange/species_key.h"
 #include "anthesis/render/caption.h"
 #include "anthesis/vasculature/vein_measures.h"
+#include "vein_figures.h"
 
 namespace anthesis::cli {
 namespace {
 
 constexpr std::size_t kMostRuns = 1000;
 constexpr double kSpare = 1e-9;  // of a step: 0:1:0.1 has eleven values
-
-/// What stands in the table for a head.
-std::vector<std::pair<std::string, std::string>> figures_of(const GrownHead& head,
-                                                            const VasculatureMeasures& measures) {
-  std::array<std::size_t, 3> kinds{};
-  double own_length = 0.0;
-  double to_ring = 0.0;
-  double turned = 0.0;
-  double sectors = 0.0;
-  double resistance = 0.0;
-  std::size_t connected = 0;
-  const Vasculature& veins = head.moments.back().veins;
-  for (std::size_t i = 0; i < head.primordia.size(); ++i) {
-    ++kinds[static_cast<std::size_t>(head.primordia[i].kind)];
-    const StrandMeasures& strand = measures.strands[i];
-    if (strand.connected) {
-      ++connected;
-      own_length += strand.own_length;
-      to_ring += strand.length_to_ring;
-      turned += std::abs(strand.turned_rad);
-      sectors += strand.sectors_crossed;
-      resistance = std::max(resistance, veins.vertices[strand.vertex].resistance);
-    }
-  }
-  const double strands = std::max<double>(1.0, static_cast<double>(connected));
-  return {{"bracts", std::to_string(kinds[0])},
-          {"trans_florets", std::to_string(kinds[1])},
-          {"florets", std::to_string(kinds[2])},
-          {"connected", std::to_string(connected)},
-          {"vertices", std::to_string(veins.vertices.size())},
-          {"ring_vertices_used", std::to_string(measures.bundles)},
-          {"second_connections", std::to_string(veins.second_connections.size())},
-          {"joints", std::to_string(measures.joints)},
-          {"loops", std::to_string(measures.loops)},
-          {"highest_order", std::to_string(measures.highest_order)},
-          {"total_length_mm", to_text(measures.total_length)},
-          {"mean_own_length_mm", to_text(own_length / strands)},
-          {"mean_length_to_ring_mm", to_text(to_ring / strands)},
-          {"mean_turned_deg", to_text(math::degrees(turned / strands))},
-          {"mean_sectors_crossed", to_text(sectors / strands)},
-          {"greatest_resistance", to_text(resistance)}};
-}
+constexpr std::string_view kSeed = "seed";
 
 /// Which value of each variation the run takes.
 std::vector<std::size_t> places_of(std::size_t run, const std::vector<Variation>& variations) {
@@ -98,6 +58,10 @@ Variation parse_variation(const std::string& text) {
   for (int i = 0; i < static_cast<int>(count); ++i) {
     variation.values.push_back(std::round((from + i * step) * 1e12) / 1e12);  // 0.3, not 0.30000000000000004
   }
+  const auto is_seed = [](double v) { return v >= 0.0 && v == std::floor(v); };
+  if (variation.key == kSeed && (factor || !std::all_of(variation.values.begin(), variation.values.end(), is_seed))) {
+    throw usage("--vary seed must give whole numbers, got " + text);
+  }
   return variation;
 }
 
@@ -126,22 +90,27 @@ void run_study(const HeadArguments& arguments, const std::vector<std::string>& t
   Report report;
   const Species species = report.time("species", [&] { return find_head(arguments); });
   std::vector<Species> heads;  // all are checked before the first is grown
+  std::vector<HeadArguments> all_arguments(runs, arguments);
   for (std::size_t run = 0; run < runs; ++run) {
     Species& head = heads.emplace_back(species);
     const std::vector<std::size_t> places = places_of(run, variations);
     for (std::size_t v = 0; v < variations.size(); ++v) {
-      set(head, "--vary", {variations[v].key, variations[v].values[places[v]], variations[v].factor});
+      const double value = variations[v].values[places[v]];
+      if (variations[v].key == kSeed) {
+        all_arguments[run].seed = static_cast<std::uint64_t>(value);
+      } else {
+        set(head, "--vary", {variations[v].key, value, variations[v].factor});
+      }
     }
     if (auto error = check(head)) {
       throw failure(*error);
     }
   }
-  std::optional<HeadExtent> extent;  // of all heads, so that the pictures of a sheet can be compared
+  HeadExtent extent;  // of all heads, so that the pictures of a sheet can be compared
   for (std::size_t run = 0; pictures && run < runs; ++run) {
     const ContourSequence contours =
         report.time("contours", [&] { return value_of(head_contours(heads[run], arguments.rules())); });
-    const HeadExtent own = anthesis::extent_of(outline_of(contours, frame_at(contours, at)));
-    extent = extent ? together(*extent, own) : own;
+    extent = together(extent, anthesis::extent_of(outline_of(contours, frame_at(contours, at))));
   }
   std::string table;
   std::vector<Image> images;
@@ -153,7 +122,7 @@ void run_study(const HeadArguments& arguments, const std::vector<std::string>& t
     const Progress watch = [&](std::string_view part, double fraction) {
       return progress(stage + std::string(part), fraction);
     };
-    const GrownHead grown = grow_head(arguments, heads[run], {at}, report, watch);
+    const GrownHead grown = grow_head(all_arguments[run], heads[run], {at}, report, watch);
     const VasculatureMeasures measures = report.time("measures", [&] { return measure(grown.moments.back().veins); });
     const std::vector<std::size_t> places = places_of(run, variations);
     std::string header;
@@ -167,15 +136,16 @@ void run_study(const HeadArguments& arguments, const std::vector<std::string>& t
       caption += (v == 0 ? "" : "\n") + variations[v].key + (variations[v].factor ? " x " : " = ") + value;
       object[variations[v].name()] = variations[v].values[places[v]];
     }
-    for (const auto& [key, value] : figures_of(grown, measures)) {
+    for (const auto& [key, value] : figures_of(grown.moments.back().veins, grown.primordia, measures)) {
       header += "," + key;
       row += "," + value;
       object[key] = nlohmann::ordered_json::parse(value, nullptr, false);
     }
     if (run == 0) {
       lines = made_from(arguments, species, grown.moments.back());
-      for (const std::string& text : texts) {
-        lines.push_back({"vary", text});
+      for (std::size_t v = 0; v < variations.size(); ++v) {
+        lines.push_back({"vary", texts[v]});
+        std::erase_if(lines, [&](const auto& line) { return line.first == kSeed && variations[v].key == kSeed; });
       }
       table = fmt::format("# generator: Anthesis {}\n", kVersion);
       for (const auto& [key, value] : lines) {

@@ -53,7 +53,8 @@ HeadModel head_model(const std::string& name) {
 }
 
 std::optional<HeadModel> head_model_in(const std::string& folder) {
-  const std::string name = name_of_folder(folder);
+  std::string name = name_of_folder(folder);
+  std::transform(name.begin(), name.end(), name.begin(), [](unsigned char c) { return std::tolower(c); });
   for (std::size_t model = 0; model < kHeadModelNames.size(); ++model) {
     if (name.find(kHeadModelNames[model]) != std::string::npos) {
       return static_cast<HeadModel>(model);

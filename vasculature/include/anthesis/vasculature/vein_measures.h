@@ -16,7 +16,8 @@ struct StrandMeasures {
   int order = 0;                ///< 1 joins the ring, 2 joins a strand of order 1, ...
   std::uint32_t bundle = 0;     ///< the ring vertex it ends in
   double turned_rad = 0.0;      ///< azimuth of the ring's vertex less the primordium's, followed along the way
-  int sectors_crossed = 0;      ///< borders of sectors that the way crosses, there and back counted both
+  int sectors_crossed = 0;      ///< borders of sectors that the way crosses, each counted once; the primordium stands
+                                ///< in the middle of a sector
 };
 
 struct VasculatureMeasures {
