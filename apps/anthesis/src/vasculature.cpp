@@ -186,11 +186,7 @@ void write_pictures(const Made& made, const Output& output, const VeinPhotograph
     const HeadExtent& framed = arguments.picture.own_size ? own : extent;
     images.push_back(report.time("render", [&] { return photographer.photograph(made.head, moment, framed, watch); }));
     if (arguments.picture.own_size) {
-      std::string caption = fmt::format("time {:.3g}", moment.time);
-      if (arguments.picture.scale_bar) {
-        caption += fmt::format(", bar {} mm", to_text(scale_bar_mm(own.radius_mm())));
-      }
-      write_caption(images.back(), caption);
+      write_caption(images.back(), fmt::format("time {:.3g}", moment.time));
     }
     if (!arguments.columns) {
       write_output(report, arguments.frames ? numbered(output, i) : output.path,

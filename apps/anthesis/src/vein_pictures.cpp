@@ -30,8 +30,7 @@ void VeinPictureOptions::add_to(CLI::App& app) {
       ->type_name("NAME");
   app.add_flag("--no-receptacle", no_receptacle, "Pictures and GLB: strands alone, without the receptacle");
   app.add_flag("--show-primordia", primordia, "Pictures: a bead where each primordium stands");
-  app.add_flag("--own-size", own_size,
-               "Pictures of --frames: each head as large as fits, with its time and the length of its bar");
+  app.add_flag("--own-size", own_size, "Pictures of --frames: each head as large as fits, with its time");
   app.add_flag("--scale-bar", scale_bar, "Pictures: a bar below the head and its length");
 }
 
