@@ -20,6 +20,7 @@ struct PublishedHead {
   double width_mm;
   std::array<double, 3> primordia;  ///< bracts, trans florets, florets
   double vertices;
+  double spare;  ///< share of the vertices that ours may differ by
   std::array<std::size_t, 2> bundles;
 };
 
@@ -75,7 +76,8 @@ TEST_P(HeadSpecies, EveryPrimordiumHasItsVeinsAndTheyAreAsManyAsPublished) {
   }
   const auto veins = head_veins(species, *contours, primordia);
   ASSERT_TRUE(veins.has_value()) << to_string(veins.error());
-  EXPECT_NEAR(static_cast<double>(veins->vertices.size()), published.vertices, 0.1 * published.vertices);
+  EXPECT_NEAR(static_cast<double>(veins->vertices.size()), published.vertices,
+              published.spare * published.vertices);
   const VasculatureMeasures measures = measure(*veins);
   for (const StrandMeasures& strand : measures.strands) {
     EXPECT_TRUE(strand.connected);
@@ -98,6 +100,47 @@ TEST_P(HeadSpecies, EveryPrimordiumHasItsVeinsAndTheyAreAsManyAsPublished) {
   }
 }
 
+/// Adaxial strands of a sunflower run well below the surface, and most steeply so towards the rim.
+TEST(SunflowerHead, HasFansThatGoDeep) {
+  const Species species = *find_species("sunflower-head");
+  const auto contours = head_contours(species);
+  const auto veins = head_veins(species, *contours, head_primordia(species, *head_ring(species)));
+  ASSERT_TRUE(veins.has_value());
+  const std::span<const ContourPoint> outline = contours->frame(contours->frames() - 1);
+  double height = 0.0;
+  double radius = 0.0;
+  for (const ContourPoint& point : outline) {
+    height = std::max(height, point.position.y);
+    radius = std::max(radius, point.position.x);
+  }
+  // From the apex outwards the outline is the upper surface as far as it is looked at here.
+  const auto surface = [&](double r) {
+    std::size_t i = 1;
+    while (outline[i].position.x < r) {
+      ++i;
+    }
+    const Vec2 a = outline[i - 1].position;
+    const Vec2 b = outline[i].position;
+    return a.y + (b.y - a.y) * (r - a.x) / (b.x - a.x);
+  };
+  std::array<double, 3> depth{};
+  std::array<int, 3> count{};
+  for (const VeinVertex& vertex : veins->vertices) {
+    const double r = std::hypot(vertex.position.x, vertex.position.y);
+    const int band = static_cast<int>(10.0 * r / radius) - 1;  // a tenth to four tenths of the radius
+    if (vertex.kind == VeinKind::kAdaxial && band >= 0 && band < 3) {
+      depth[band] += (surface(r) - vertex.position.z) / height;
+      ++count[band];
+    }
+  }
+  for (int band = 0; band < 3; ++band) {
+    ASSERT_GT(count[band], 100) << band;
+  }
+  EXPECT_GT(depth[0] / count[0], 0.05);  // those of the published head: 0.08, 0.11, 0.14
+  EXPECT_GT(depth[1] / count[1], 0.09);
+  EXPECT_GT(depth[2] / count[2], 0.12);
+}
+
 TEST_P(HeadSpecies, MostOfItIsAGoldenSpiral) {
   const Expected<Development> development = Development::grow(*find_species(GetParam().name), {});
   ASSERT_TRUE(development.has_value());
@@ -115,11 +158,11 @@ TEST_P(HeadSpecies, MostOfItIsAGoldenSpiral) {
 
 INSTANTIATE_TEST_SUITE_P(
     Published, HeadSpecies,
-    testing::Values(PublishedHead{"bellis-head", 8.37, 7.19, {28.0, 0.0, 392.0}, 14172.0, {7, 9}},
-                    PublishedHead{"sunflower-head", 5.35, 12.79, {81.0, 0.0, 416.0}, 38598.0, {41, 48}},
-                    PublishedHead{"gerbera-head", 7.65, 18.72, {84.0, 167.0, 466.0}, 47497.0, {42, 50}},
+    testing::Values(PublishedHead{"bellis-head", 8.37, 7.19, {28.0, 0.0, 392.0}, 14172.0, 0.02, {7, 9}},
+                    PublishedHead{"sunflower-head", 5.35, 12.79, {81.0, 0.0, 416.0}, 38598.0, 0.02, {41, 48}},
+                    PublishedHead{"gerbera-head", 7.65, 18.72, {84.0, 167.0, 466.0}, 47497.0, 0.07, {42, 50}},
                     // our own, against itself
-                    PublishedHead{"coneflower-head", 15.0, 16.8, {32.0, 13.0, 342.0}, 37972.0, {40, 46}}),
+                    PublishedHead{"coneflower-head", 15.0, 16.8, {32.0, 13.0, 342.0}, 37972.0, 0.01, {40, 46}}),
     [](const auto& test) {
       std::string name = test.param.name;
       std::replace(name.begin(), name.end(), '-', '_');
