@@ -22,5 +22,6 @@ if(ANTHESIS_WERROR)
 endif()
 if(ANTHESIS_SANITIZE)
   add_compile_options(-fsanitize=address,undefined -fno-sanitize-recover=all -fno-omit-frame-pointer)
+  add_compile_definitions(_GLIBCXX_ASSERTIONS)  # spans and vectors within memory that is theirs
   add_link_options(-fsanitize=address,undefined)
 endif()

@@ -318,8 +318,12 @@ void draw_arrow(std::string& svg, Vec2 from, Vec2 to) {
   detail::append(svg, "<path", attribute("d", path), "/>\n");
 }
 
-std::optional<Error> carry_to(InteriorGrowth& growth, std::size_t frame, std::span<Vec2> points) {
+std::optional<Error> carry_to(InteriorGrowth& growth, std::size_t frame, std::span<Vec2> points,
+                              const SectionFigureParams& params) {
   while (growth.frame() < frame) {
+    if (!report(params.progress, "figure", static_cast<double>(growth.frame()) / static_cast<double>(frame))) {
+      return Error{ErrorCode::kCancelled, "", "cancelled"};
+    }
     (void)growth.carry(points);
     if (std::optional<Error> error = growth.advance(growth.frame() + 1)) {
       return error;
@@ -400,7 +404,7 @@ Expected<std::string> section_displacement_svg(const SectionSequence& sections, 
   if (!growth) {
     return unexpected(growth.error());
   }
-  if (std::optional<Error> error = growth->advance(from)) {
+  if (std::optional<Error> error = carry_to(*growth, from, {}, params)) {
     return unexpected(std::move(*error));
   }
   const SectionMesh mesh = growth->mesh();
@@ -427,7 +431,7 @@ Expected<std::string> section_displacement_svg(const SectionSequence& sections, 
     }
   }
   const std::vector<Vec2> starts(moved.begin() + static_cast<std::ptrdiff_t>(mesh.points.size()), moved.end());
-  if (std::optional<Error> error = carry_to(*growth, to, moved)) {
+  if (std::optional<Error> error = carry_to(*growth, to, moved, params)) {
     return unexpected(std::move(*error));
   }
   std::vector<double> distance;
@@ -480,7 +484,7 @@ Expected<std::string> section_growth_svg(const SectionSequence& sections, std::s
   if (!growth) {
     return unexpected(growth.error());
   }
-  if (std::optional<Error> error = growth->advance(frames.front())) {
+  if (std::optional<Error> error = carry_to(*growth, frames.front(), {}, params)) {
     return unexpected(std::move(*error));
   }
 
@@ -516,7 +520,7 @@ Expected<std::string> section_growth_svg(const SectionSequence& sections, std::s
   }
   Figure figure(params, extents, std::min<std::size_t>(extents.size(), 3), false);
   for (std::size_t f = 0; f < frames.size(); ++f) {
-    if (std::optional<Error> error = carry_to(*growth, frames[f], points)) {
+    if (std::optional<Error> error = carry_to(*growth, frames[f], points, params)) {
       return unexpected(std::move(*error));
     }
     const Panel& panel = figure.panel(f);

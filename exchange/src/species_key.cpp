@@ -140,9 +140,11 @@ class NumberSetter {
   }
   template <class Member>
   void range(const char* key, Member member, const Limits& limits, const char*) {
+    auto& range = std::invoke(member, object_);
     if (is(key)) {
-      auto& range = std::invoke(member, object_);
       change_all({&range[0], &range[1]}, limits);
+    } else if (name_ == key && indices_.size() == 1 && indices_[0] < 2) {
+      change(range[indices_[0]], limits);
     }
   }
   template <class Member>
@@ -291,6 +293,9 @@ class NumberSetter {
   }
   bool leads_to(const char* key) {
     keys_.emplace_back(key);
+    if (rest_.empty()) {
+      not_a_number(key);
+    }
     return name_ == key && !rest_.empty() && !way_.error;
   }
   void not_a_number(const char* key) {

@@ -124,7 +124,7 @@ std::string veins_csv(const Vasculature& veins, const MadeFrom& made_from) {
     for (std::size_t i = 0; i < seconds[v].size(); ++i) {
       append(text, i == 0 ? "" : " ", seconds[v][i]);
     }
-    append(text, ",", vein_kind_name(vertex.kind), ",");
+    append(text, ",", v < veins.ring_vertices ? "ring" : vein_kind_name(vertex.kind), ",");
     append_unless(text, vertex.primordium, kNoPrimordium);
     append(text, ",", vertex.age_frames, ",", vertex.diameter, ",");
     if (std::isfinite(vertex.resistance)) {

@@ -142,7 +142,7 @@ TEST_F(HarmonicFieldsFile, AppearsWholeOrNotAtAll) {
   const std::string other = (folder_ / "other.raw").string();
   const std::optional<Error> crossed = write_harmonic_fields(sections, other);
   ASSERT_TRUE(crossed.has_value());
-  EXPECT_EQ(crossed->where, "frame 30");
+  EXPECT_EQ(crossed->where, "frame 30: section");
   EXPECT_FALSE(fs::exists(other));
   EXPECT_TRUE(write_harmonic_fields(sections, (folder_ / "none" / "x.raw").string()).has_value());
 }

@@ -76,8 +76,7 @@ TEST_P(HeadSpecies, EveryPrimordiumHasItsVeinsAndTheyAreAsManyAsPublished) {
   }
   const auto veins = head_veins(species, *contours, primordia);
   ASSERT_TRUE(veins.has_value()) << to_string(veins.error());
-  EXPECT_NEAR(static_cast<double>(veins->vertices.size()), published.vertices,
-              published.spare * published.vertices);
+  EXPECT_NEAR(static_cast<double>(veins->vertices.size()), published.vertices, published.spare * published.vertices);
   const VasculatureMeasures measures = measure(*veins);
   for (const StrandMeasures& strand : measures.strands) {
     EXPECT_TRUE(strand.connected);

@@ -79,6 +79,8 @@ TEST(SpeciesKey, ReachesNumbersWithinLists) {
   EXPECT_EQ(ring.threshold_mm[1].y, 0.125);
   EXPECT_EQ(message(set_number(species, "head.active_ring.sections[0].points[2][0]", 0.5)), "no error");
   EXPECT_EQ(ring.sections[0].points[2].x, 0.5);
+  EXPECT_EQ(message(set_number(species, "colonisation.window[1]", 0.75)), "no error");
+  EXPECT_EQ(species.vasculature->params.colonisation.window[1], 0.75);
   EXPECT_EQ(message(set_number(species, "organs." + species.organs[0].name + ".axis[2]", 2.0)), "no error");
   EXPECT_EQ(species.organs[0].axis.z, 2.0);
 }
@@ -119,10 +121,11 @@ TEST(SpeciesKey, RefusesWithTheRuleAndLeavesTheSpeciesAlone) {
   EXPECT_THAT(refused("head.active_ring.sections[99].ring", 0.5), HasSubstr("must be that of one of"));
   EXPECT_THAT(refused("organs.nobody.sink_mm", 0.5), HasSubstr("must be a key of one of the species' organs"));
   EXPECT_THAT(refused("head.fate.cone_deg", 0.5), HasSubstr("must be in a table that the species has, got none"));
-  EXPECT_THAT(refused("", 0.5), HasSubstr("is not known"));
+  EXPECT_THAT(refused("", 0.5), HasSubstr("must be a number, which this key is not"));
   EXPECT_THAT(refused("head.active_ring.knots", 0.5), HasSubstr("is not; knots[0] is one"));
   EXPECT_THAT(refused("head.active_ring.knots[99]", 0.5), HasSubstr("must be that of one of"));
   EXPECT_THAT(refused("head.active_ring.knots[0", 0.5), HasSubstr("is not known"));
+  EXPECT_THAT(refused("vasculature.floret", 0.5), HasSubstr("must be a number, which this key is not"));
   EXPECT_THAT(refused("head.active_ring.sections[1].points", 0.5), HasSubstr("is not; points[0][0] is one"));
   EXPECT_THAT(refused("head.active_ring.sections[1].points[0]", 0.5), HasSubstr("is not; points[0][0] is one"));
   EXPECT_THAT(refused("head.active_ring.sections[1].points[0][2]", 0.5), HasSubstr("must end in [0] or [1]"));

@@ -75,7 +75,7 @@ std::vector<double> numbers_of(const std::string& line) {
 TEST(VeinsCsv, HasARowForEachVertexAndNothingWhereThereIsNothing) {
   EXPECT_THAT(lines_of(veins_csv(letter())),
               ElementsAre("vertex,parent,second_parents,kind,primordium,age_frames,diameter,resistance,x,y,z",
-                          "0,,,abaxial,,0,0.3,0,0,0,0", "1,,,abaxial,,0,0,5,5,0,0",
+                          "0,,,ring,,0,0.3,0,0,0,0", "1,,,ring,,0,0,5,5,0,0",
                           "2,3,,abaxial,7,0,0.2,2.8284271247461903,2,0,2", "3,0,,abaxial,7,0,0.3,1,0,0,1",
                           "4,3,2 3,floret,8,0,0.1,2.8284271247461903,-2,0,2", "5,,,abaxial,9,0,0.1,,9,0,3"));
 }

@@ -201,6 +201,34 @@ int orient2d(Vec2 a, Vec2 b, Vec2 c) {
   return exact_orient2d(a, b, c);
 }
 
+std::optional<std::array<std::size_t, 2>> crossing_pieces(std::span<const Vec2> line, bool closed) {
+  const std::size_t count = line.size();
+  const std::size_t pieces = closed ? count : count - std::min<std::size_t>(count, 1);
+  const auto point = [&](std::size_t i) { return line[i % count]; };
+  for (std::size_t i = 0; i < pieces; ++i) {
+    const Vec2 a = point(i);
+    const Vec2 b = point(i + 1);
+    if (closed || i + 1 < pieces) {
+      const Vec2 next = point(i + 2);
+      if (orient2d(a, b, next) == 0 && dot(next - b, a - b) >= 0.0) {
+        return {{i, (i + 1) % count}};
+      }
+    }
+    for (std::size_t j = i + 2; j < pieces - (closed && i == 0 ? 1 : 0); ++j) {
+      const Vec2 c = point(j);
+      const Vec2 d = point(j + 1);
+      if (std::max(a.x, b.x) < std::min(c.x, d.x) || std::max(c.x, d.x) < std::min(a.x, b.x) ||
+          std::max(a.y, b.y) < std::min(c.y, d.y) || std::max(c.y, d.y) < std::min(a.y, b.y)) {
+        continue;
+      }
+      if (orient2d(a, b, c) * orient2d(a, b, d) <= 0 && orient2d(c, d, a) * orient2d(c, d, b) <= 0) {
+        return {{i, j}};
+      }
+    }
+  }
+  return std::nullopt;
+}
+
 int orient3d(Vec3 a, Vec3 b, Vec3 c, Vec3 d) {
   const Vec3 ab = b - a;
   const Vec3 ac = c - a;

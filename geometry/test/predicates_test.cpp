@@ -183,5 +183,27 @@ TEST(Orient3d, IsRightAtBothEndsOfItsRange) {
   EXPECT_EQ(orient3d({large, 0, 0}, {0, large, 0}, {0, 0, large}, {large, 2 * small, -small}), 1);
 }
 
+TEST(CrossingPieces, AreNoneInASimpleLine) {
+  const std::vector<Vec2> square{{0, 0}, {2, 0}, {2, 2}, {0, 2}};
+  EXPECT_FALSE(crossing_pieces(square, false));
+  EXPECT_FALSE(crossing_pieces(square, true));
+  EXPECT_FALSE(crossing_pieces(std::vector<Vec2>{{0, 0}, {1, 0}, {2, 0}}, false));  // straight on
+  EXPECT_FALSE(crossing_pieces(std::vector<Vec2>{{0, 0}}, false));
+  EXPECT_FALSE(crossing_pieces(std::vector<Vec2>{}, false));
+}
+
+TEST(CrossingPieces, AreNamedByTheirFirstPoints) {
+  using Pair = std::array<std::size_t, 2>;
+  EXPECT_EQ(crossing_pieces(std::vector<Vec2>{{0, 0}, {2, 2}, {2, 0}, {0, 2}}, false), (Pair{0, 2}));
+  EXPECT_EQ(crossing_pieces(std::vector<Vec2>{{0, 0}, {2, 0}, {2, 2}, {1, 0}}, false), (Pair{0, 2}));  // only touches
+  EXPECT_EQ(crossing_pieces(std::vector<Vec2>{{0, 0}, {2, 0}, {1, 0}}, false), (Pair{0, 1}));          // runs back
+  const std::vector<Vec2> hook{{0, 0}, {0, 2}, {2, 2}, {2, 1}, {-1, 1}};
+  EXPECT_EQ(crossing_pieces(hook, false), (Pair{0, 3}));
+  // Only the piece that closes it crosses.
+  const std::vector<Vec2> zigzag{{0, 0}, {1, 2}, {2, 0}, {3, 2}, {4, 1}};
+  EXPECT_FALSE(crossing_pieces(zigzag, false));
+  EXPECT_EQ(crossing_pieces(zigzag, true), (Pair{1, 4}));
+}
+
 }  // namespace
 }  // namespace anthesis

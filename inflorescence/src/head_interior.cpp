@@ -151,7 +151,21 @@ Expected<ContourSequence> head_contours(const Species& species, HeadRules rules)
       times.push_back(static_cast<double>(f) / (veins.frames - 1));
     }
   }
-  return sample_contours(GrowingReceptacle(sections, lookup_of(rules)), times);
+  ContourSequence contours = sample_contours(GrowingReceptacle(sections, lookup_of(rules)), times);
+  constexpr std::size_t kChecked = 64;  // between sections that are simple an outline crosses itself for long or hardly
+  for (std::size_t i = 0; i <= kChecked; ++i) {
+    const std::size_t frame = i * (contours.frames() - 1) / kChecked;
+    std::vector<Vec2> outline;
+    for (const ContourPoint& point : contours.frame(frame)) {
+      outline.push_back(point.position);
+    }
+    if (place_of_crossing(outline)) {
+      return unexpected(invalid_parameter("head.active_ring.sections",
+                                          "must blend into outlines that do not cross themselves",
+                                          "one that does at time " + to_text(contours.times[frame])));
+    }
+  }
+  return contours;
 }
 
 Expected<InteriorGrowth> head_inside(const Species& species, const ContourSequence& contours) {

@@ -82,6 +82,34 @@ TEST(HeadInterior, OrgansOfTheHeadAreThePrimordiaOfItsVeins) {
   EXPECT_EQ(bracts, 0u);
 }
 
+TEST(HeadInterior, OfAPointedHeadHasVeins) {
+  Species species = cap();
+  species.head.active_ring->sections.back().points = {{0, 5}, {0.001, 5}, {0.4, 3}, {5, 1}, {3.6, 0}};
+  ASSERT_EQ(wrong_with(species), "nothing");
+  const auto contours = head_contours(species);
+  ASSERT_TRUE(contours.has_value());
+  const auto veins = head_veins(species, *contours, primordia_of(species));
+  ASSERT_TRUE(veins.has_value()) << to_string(veins.error());
+  EXPECT_GT(veins->vertices.size(), 100u);
+}
+
+TEST(HeadInterior, OutlinesThatCrossThemselvesAreRefusedEarly) {
+  Species species = cap();
+  const std::vector<HeadSection> simple = species.head.active_ring->sections;
+  species.head.active_ring->sections[2].points = {{0, 4}, {4, 1}, {4, 4}, {1, 2}, {3, 0}};
+  EXPECT_THAT(wrong_with(species), testing::HasSubstr("head.active_ring.sections[2].points must not touch or cross"));
+  // A cone and a section in folds, one above the other: half way the cone's fall tilts the folds into each other.
+  species.head.active_ring->sections = simple;
+  std::vector<HeadSection>& sections = species.head.active_ring->sections;
+  sections[1].points = {{0, 8}, {3, 6}, {6, 4}, {9, 2}};
+  sections[2].points = {{0, 3}, {4, 3},   {8, 3}, {9, 3.5}, {8, 4},  {5, 4},
+                        {2, 4}, {1, 4.5}, {2, 5}, {9, 5},   {10, 3}, {9, 0}};
+  ASSERT_EQ(wrong_with(species), "nothing");
+  const auto contours = head_contours(species);
+  ASSERT_FALSE(contours.has_value());
+  EXPECT_THAT(to_string(contours.error()), testing::HasSubstr("must blend into outlines that do not cross"));
+}
+
 TEST(HeadInterior, OrgansKeepTheirDistanceWhenTheyArise) {
   const Species species = cap();
   const auto development = Development::grow(species, {.seed = 1, .detail = 0.5});

@@ -7,6 +7,7 @@
 
 #include "anthesis/base/assert.h"
 #include "anthesis/base/check.h"
+#include "anthesis/geometry/predicates.h"
 #include "anthesis/geometry/surface_of_revolution.h"
 #include "section_table.h"
 
@@ -33,8 +34,26 @@ Vec2 right_of_axis(Vec2 point) {
   return {std::max(point.x, 0.0), point.y};
 }
 
+std::optional<Error> check_simple(const std::string& where, const BSplineCurve<Vec2>& profile) {
+  constexpr int kSteps = 256;
+  std::vector<Vec2> line;
+  for (int i = 0; i <= kSteps; ++i) {
+    line.push_back(right_of_axis(profile.at(static_cast<double>(i) / kSteps)));
+  }
+  if (const std::optional<Vec2> place = place_of_crossing(line)) {
+    const auto rounded = [](double value) { return to_text(std::round(1e3 * value) / 1e3); };
+    std::string twice = "the place ";
+    twice.append(rounded(place->x)).append(", ").append(rounded(place->y)).append(" twice");
+    return invalid_parameter(where, "must not touch or cross itself", twice);
+  }
+  return std::nullopt;
+}
+
 std::optional<Error> check_section(const std::string& where, const DigitisedSection& section) {
   if (auto error = check_profile(where + ".profile", section.profile)) {
+    return error;
+  }
+  if (auto error = check_simple(where + ".profile", section.profile)) {
     return error;
   }
   if (auto error = check_number(where + ".ring", section.ring, 0.0, 1.0)) {
@@ -78,6 +97,21 @@ std::optional<Error> check_knots(std::span<const double> knots, std::size_t sect
 }
 
 }  // namespace
+
+std::optional<Vec2> place_of_crossing(std::span<const Vec2> outline) {
+  double size = 0.0;
+  for (const Vec2 point : outline) {
+    size = std::max({size, std::fabs(point.x), std::fabs(point.y)});
+  }
+  std::vector<Vec2> line;  // outlines may stand still for some points
+  for (const Vec2 point : outline) {
+    if (line.empty() || length(point - line.back()) > 1e-6 * size) {
+      line.push_back(point);
+    }
+  }
+  const auto pieces = crossing_pieces(line, false);
+  return pieces ? std::optional<Vec2>(line[(*pieces)[1]]) : std::nullopt;
+}
 
 BSplineCurve<Vec2> traced_profile(std::vector<Vec2> points) {
   ANTHESIS_ASSERT(points.size() >= 2);

@@ -175,8 +175,7 @@ struct InteriorGrowth::State {
   std::optional<Error> triangulate() {
     Expected<SectionMesh> made = triangulate_section(controls(frame), params.mesh);
     if (!made) {
-      made.error().where =
-          "frame " + std::to_string(frame) + (made.error().where.empty() ? std::string() : ": " + made.error().where);
+      made.error().where.insert(0, "frame " + std::to_string(frame) + ": ");
       return std::move(made.error());
     }
     mesh = std::move(*made);
@@ -389,7 +388,8 @@ SectionSequence with_base(const ContourSequence& contours, std::size_t base_poin
     for (const ContourPoint& point : contours.frame(f)) {
       const bool is_apex = sections.points.size() % sections.points_per_frame == 0;
       Vec2 p = point.position;
-      if (is_apex ? std::fabs(p.x) < 1e-9 * size : std::fabs(p.x) < 1e-12 * size) {
+      // Series miss the axis by a rounding, at a sharp tip by more.
+      if (std::fabs(p.x) < (is_apex ? 1e-4 : 1e-12) * size) {
         p.x = 0.0;
       }
       sections.points.push_back(p);

@@ -62,7 +62,7 @@ class Refinement {
 
   Expected<SectionMesh> run() {
     if (kept_.size() < 3) {
-      return unexpected(Error{ErrorCode::kInvalidParameter, "", "a section needs three control points that differ"});
+      return unexpected(Error{ErrorCode::kInvalidParameter, "section", "must have three control points that differ"});
     }
     if (std::optional<Error> error = crossing()) {
       return unexpected(std::move(*error));
@@ -70,7 +70,7 @@ class Refinement {
     start();
     for (int round = 0; round < kMostRounds; ++round) {
       if (points_.size() > kMostPoints) {
-        return unexpected(Error{ErrorCode::kTooLarge, "", "a section needs more than 200000 points"});
+        return unexpected(Error{ErrorCode::kTooLarge, "section", "must need at most 200000 points"});
       }
       if (triangulate()) {
         if (!improve()) {
@@ -80,7 +80,7 @@ class Refinement {
         break;
       }
     }
-    return unexpected(Error{ErrorCode::kInvalidParameter, "", "a section is too narrow to be triangulated"});
+    return unexpected(Error{ErrorCode::kInvalidParameter, "section", "must be wide enough to be triangulated"});
   }
 
  private:
@@ -90,31 +90,17 @@ class Refinement {
   Vec2 on_side(std::uint32_t side, double t) const { return lerp(corner(side), corner(side + 1), t); }
 
   std::optional<Error> crossing() const {
-    const auto complain = [&](std::size_t i, std::size_t j) {
-      return Error{ErrorCode::kInvalidParameter, "",
-                   "a section must not touch or cross itself, but its parts after control points " +
-                       std::to_string(kept_[i]) + " and " + std::to_string(kept_[j]) + " do"};
-    };
+    std::vector<Vec2> corners;
     for (std::size_t i = 0; i < sides(); ++i) {
-      const Vec2 a = corner(i);
-      const Vec2 b = corner(i + 1);
-      const Vec2 next = corner(i + 2);
-      if (orient2d(a, b, next) == 0 && dot(next - b, a - b) >= 0.0) {
-        return complain(i, (i + 1) % sides());
-      }
-      for (std::size_t j = i + 2; j < sides() - (i == 0 ? 1 : 0); ++j) {
-        const Vec2 c = corner(j);
-        const Vec2 d = corner(j + 1);
-        if (std::max(a.x, b.x) < std::min(c.x, d.x) || std::max(c.x, d.x) < std::min(a.x, b.x) ||
-            std::max(a.y, b.y) < std::min(c.y, d.y) || std::max(c.y, d.y) < std::min(a.y, b.y)) {
-          continue;
-        }
-        if (orient2d(a, b, c) * orient2d(a, b, d) <= 0 && orient2d(c, d, a) * orient2d(c, d, b) <= 0) {
-          return complain(i, j);
-        }
-      }
+      corners.push_back(corner(i));
     }
-    return std::nullopt;
+    const auto found = crossing_pieces(corners, true);
+    if (!found) {
+      return std::nullopt;
+    }
+    return Error{ErrorCode::kInvalidParameter, "section",
+                 "must not touch or cross itself, but its parts after control points " +
+                     std::to_string(kept_[(*found)[0]]) + " and " + std::to_string(kept_[(*found)[1]]) + " do"};
   }
 
   /// Corners, and sides cut to the longest edge allowed.
@@ -421,7 +407,7 @@ class Refinement {
         v = renumbered[v];
       }
       if (orient2d(mesh.points[triangle[0]], mesh.points[triangle[1]], mesh.points[triangle[2]]) <= 0) {
-        return unexpected(Error{ErrorCode::kInvalidParameter, "", "a section is too narrow to be triangulated"});
+        return unexpected(Error{ErrorCode::kInvalidParameter, "section", "must be wide enough to be triangulated"});
       }
       mesh.triangles.push_back(triangle);
     }

@@ -191,6 +191,9 @@ TEST(CheckDigitisedHead, SaysWhichSectionIsWrong) {
   head.sections[1].profile.controls[1].x = -1.0;
   EXPECT_THAT(message(head), testing::HasSubstr("sections[1].profile"));
   head = test::tiny_head();
+  head.sections[1].profile = traced_profile({{0.0, 4.0}, {3.0, 1.0}, {3.0, 3.0}, {1.0, 0.0}});
+  EXPECT_THAT(message(head), testing::HasSubstr("sections[1].profile must not touch or cross itself, got the place"));
+  head = test::tiny_head();
   head.knots = {0.0, 0.0, 0.0, 1.0};
   EXPECT_EQ(message(head), "knots must be three more than the 3 sections, got 4");
   head = test::tiny_head();

@@ -161,8 +161,7 @@ TEST(TriangulateSection, RefusesASectionThatCrossesItself) {
   const std::vector<Vec2> controls{{0, 1}, {1, 0.2}, {1, 0.8}, {0.1, 0.1}, {0, 0}};
   const Expected<SectionMesh> mesh = triangulate_section(controls);
   ASSERT_FALSE(mesh.has_value());
-  EXPECT_EQ(mesh.error().message,
-            "a section must not touch or cross itself, but its parts after control points 0 and 2 do");
+  EXPECT_EQ(mesh.error().message, "must not touch or cross itself, but its parts after control points 0 and 2 do");
   EXPECT_FALSE(triangulate_section(std::vector<Vec2>{{0, 1}, {1, 1}, {0, 0.5}, {1, 0}, {0, 0}}).has_value());
 }
 

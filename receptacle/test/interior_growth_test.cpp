@@ -446,12 +446,12 @@ TEST(InteriorGrowth, NamesTheFrameThatCannotBe) {
   InteriorGrowth growth = grow(sections);
   const std::optional<Error> error = growth.advance(3);
   ASSERT_TRUE(error.has_value());
-  EXPECT_EQ(error->where, "frame 2");
+  EXPECT_EQ(error->where, "frame 2: section");
   EXPECT_EQ(growth.frame(), 0U);
   std::size_t written = 0;
   const std::optional<Error> again = growth.weights([&](const HarmonicFrame&) { return ++written < 100; });
   ASSERT_TRUE(again.has_value());
-  EXPECT_EQ(again->where, "frame 2");
+  EXPECT_EQ(again->where, "frame 2: section");
   EXPECT_EQ(written, 2U);  // those before it
   sections.points.pop_back();
   EXPECT_FALSE(InteriorGrowth::make(sections).has_value());

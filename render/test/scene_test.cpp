@@ -239,7 +239,8 @@ TEST(MakeScene, HairsOfABentOrganGoWithIt) {
   const Canopy canopy = moved(*development, 1.0);
   const Placement motion{{0.5, 0.25, -1.0}, rotation_about({1.0, 0.0, 0.0}, math::radians(1.0)), 1.0};
   for (const Development* drawn : {static_cast<const Development*>(nullptr), &*finer}) {
-    const Scene straight = make_scene(drawn != nullptr ? *drawn : *development, development->at(1.0));
+    const Development& shown = drawn != nullptr ? *drawn : *development;
+    const Scene straight = make_scene(shown, shown.at(1.0));
     const Scene scene = make_scene(*development, canopy, {.finer = drawn});
     for (std::size_t i = 0; i < canopy.organs.size(); ++i) {
       if (canopy.organs[i].stage < 1.0) {

@@ -1,5 +1,6 @@
 #include "anthesis/vasculature/vein_params.h"
 
+#include <algorithm>
 #include <cmath>
 #include <string>
 #include <string_view>
@@ -38,7 +39,11 @@ class Checker {
     for (std::size_t i = 0; i < course.points.size() && !error; ++i) {
       const std::string point = where + "[" + std::to_string(i) + "]";
       number(point, course.points[i].y, low, high);
-      number(point, course.points[i].x, i == 0 ? 0.0 : course.points[i - 1].x, 1.0);
+      const double before = i == 0 ? 0.0 : course.points[i - 1].x;
+      if (!error && !(course.points[i].x >= before && course.points[i].x <= 1.0)) {
+        error = invalid_parameter(point, "must have a time in [0, 1] that is not before the last one's",
+                                  course.points[i].x);
+      }
     }
   }
   /// A length that depends on the step.
@@ -72,6 +77,15 @@ std::optional<Error> check(const VeinParams& params) {
     const std::string where = "initials[" + std::to_string(i) + "].";
     checker.number(where + "depth_mm", initial.depth_mm, kSmall, 1e4 * params.step_mm);
     checker.range(where + "depth_range", initial.depth_range, kSmall, 100.0);
+    double longest = 0.0;
+    for (const Vec2 factor : params.depth_course.points) {
+      longest = std::max(longest, factor.y * initial.depth_range[1] * initial.depth_mm);
+    }
+    if (!checker.error && longest > 1e4 * params.step_mm) {
+      checker.error =
+          invalid_parameter(where + "depth_mm", "must be at most 10000 steps with depth_range and depth_course",
+                            longest / params.step_mm);
+    }
     checker.number(where + "sinking_mm", initial.sinking_mm, 0.0, 1e4 * params.step_mm);
     checker.whole(where + "delay_frames", initial.delay_frames[0], 0, kMostFrames);
     checker.whole(where + "delay_frames", initial.delay_frames[1], initial.delay_frames[0], kMostFrames);

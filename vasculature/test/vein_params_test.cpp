@@ -44,6 +44,22 @@ TEST(VeinParams, ErrorsNameTheField) {
   EXPECT_EQ(error->where, "depth_course");
 
   params = {};
+  params.depth_course.points = {{0.5, 1.0}, {0.25, 1.0}};
+  error = check(params);
+  ASSERT_TRUE(error.has_value());
+  EXPECT_EQ(to_string(*error),
+            "depth_course[1] must have a time in [0, 1] that is not before the last one's, got 0.25");
+
+  params = {};
+  params.initials[1].depth_mm = 1.0;
+  params.initials[1].depth_range = {1.0, 20.0};
+  params.depth_course.points = {{0.0, 0.0}, {1.0, 20.0}};  // 400 mm in steps of 0.02
+  error = check(params);
+  ASSERT_TRUE(error.has_value());
+  EXPECT_EQ(to_string(*error),
+            "initials[1].depth_mm must be at most 10000 steps with depth_range and depth_course, got 20000");
+
+  params = {};
   params.merge_distance_mm = 0.4 * params.step_mm;  // a strand could jump over what it is to join
   error = check(params);
   ASSERT_TRUE(error.has_value());

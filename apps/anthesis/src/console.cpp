@@ -38,6 +38,12 @@ Failure failure(const Error& error) {
   return {exit_code(error.code), error.code == ErrorCode::kCancelled ? "stopped" : to_string(error)};
 }
 
+void go_on(const Progress& progress, std::string_view stage, double fraction) {
+  if (!report(progress, stage, fraction)) {
+    throw failure({ErrorCode::kCancelled, "", "cancelled"});
+  }
+}
+
 Console::Console() : on_terminal_(::isatty(STDERR_FILENO) == 1) {
   struct sigaction action {};
   action.sa_handler = ask_to_stop;

@@ -27,6 +27,9 @@ struct Failure {
 Failure usage(std::string message);
 Failure failure(const Error& error);
 
+/// Reports progress; throws the Failure of being stopped if the user asked for that.
+void go_on(const Progress& progress, std::string_view stage, double fraction);
+
 /// Standard error for people: one line of progress that is rewritten, only if it is a terminal; and Ctrl-C.
 class Console {
  public:

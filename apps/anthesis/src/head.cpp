@@ -78,7 +78,9 @@ Setting parse_setting(const std::string& flag, const std::string& text) {
     throw usage(flag + " must be KEY=NUMBER or KEY=xFACTOR, got " + text);
   }
   const bool factor = text.compare(equals + 1, 1, "x") == 0;
-  return {text.substr(0, equals), parse_number(flag, text.substr(equals + (factor ? 2 : 1)), {-1e9, 1e9}), factor};
+  return {text.substr(0, equals),
+          parse_number(flag + " " + text.substr(0, equals), text.substr(equals + (factor ? 2 : 1)), {-1e9, 1e9}),
+          factor};
 }
 
 void set(Species& species, const std::string& flag, const Setting& setting) {
@@ -108,7 +110,7 @@ Species find_head(const HeadArguments& arguments) {
     species.vasculature->inside = HeadInside::kMeanValue;
   }
   if (auto error = check(species)) {
-    throw failure(*error);
+    throw arguments.with.empty() ? failure(*error) : usage("--with: " + to_string(*error));
   }
   return species;
 }

@@ -58,6 +58,7 @@ struct Made {
   const Arguments& arguments;
   const Species& species;
   const GrownHead& head;
+  const Progress& progress;
 
   const HeadMoment& last() const { return head.moments.back(); }
   MadeFrom lines(const HeadMoment& moment) const { return made_from(arguments.head, species, moment); }
@@ -99,6 +100,7 @@ std::string glb(const Made& made) {
   params.receptacle_alpha = made.arguments.picture.no_receptacle ? 0.0 : params.receptacle_alpha;
   VeinGlb glb(params, made.lines(made.last()));
   for (const HeadMoment& moment : made.head.moments) {
+    go_on(made.progress, "glb", moment.time);
     const std::vector<Vec2> outline = outline_of(made.head.contours, moment.frame);
     if (auto error = glb.add({moment.time, &moment.veins, outline})) {
       throw failure(*error);
@@ -127,6 +129,7 @@ std::string svg(const Made& made, const Output& output) {
   params.unit_mm = 1.0;
   params.interior.mesh.max_edge = made.species.vasculature->max_edge;
   params.interior.axis = made.species.vasculature->axis;
+  params.progress = made.progress;
   const SectionSequence sections = head_sections(made.head.contours);
   if (is_about(output, "growth")) {
     const std::size_t last = made.head.contours.frames() - 1;
@@ -284,9 +287,16 @@ void run(const Arguments& arguments, Console& console) {
   const Progress progress = console.progress();
   Report report;
   const Species species = report.time("species", [&] { return find_head(arguments.head); });
+  if (!arguments.controls.empty()) {
+    const ContourSequence contours = value_of(head_contours(species, arguments.head.rules()));
+    const std::size_t count = head_sections(contours).points_per_frame;
+    for (const std::string& control : arguments.controls) {
+      parse_whole("--control", control, 0, count - 1);
+    }
+  }
   const GrownHead head = grow_head(arguments.head, species, times, report, progress);
   const VasculatureMeasures measures = report.time("measures", [&] { return measure(head.moments.back().veins); });
-  const Made made{arguments, species, head};
+  const Made made{arguments, species, head, progress};
   const auto bytes_of = [&](const Output& output, const HeadMoment& moment) {
     if (output.format == "swc") {
       return veins_swc(moment.veins, made.lines(moment));
@@ -315,6 +325,7 @@ void run(const Arguments& arguments, Console& console) {
     }
     const bool several = arguments.frames && holds_a_moment(output);
     for (std::size_t i = several ? 0 : head.moments.size() - 1; i < head.moments.size(); ++i) {
+      go_on(progress, output.format, head.moments[i].time);
       const std::string bytes = report.time(output.format.c_str(), [&] { return bytes_of(output, head.moments[i]); });
       write_output(report, several ? numbered(output, i) : output.path, bytes);
     }

@@ -42,7 +42,8 @@ Variation parse_variation(const std::string& text) {
   }
   const bool factor = text.compare(equals + 1, 1, "x") == 0;
   const auto number = [&](std::size_t from, std::size_t to) {
-    return parse_number("--vary", text.substr(from, to == std::string::npos ? to : to - from), {-1e9, 1e9});
+    return parse_number("--vary " + text.substr(0, equals), text.substr(from, to == std::string::npos ? to : to - from),
+                        {-1e9, 1e9});
   };
   const double from = number(equals + (factor ? 2 : 1), first);
   const double to = number(first + 1, second);
@@ -87,6 +88,7 @@ void run_study(const HeadArguments& arguments, const std::vector<std::string>& t
   if (pictures) {
     photographer.check_sheet(runs);
   }
+  const Progress progress = console.progress();
   Report report;
   const Species species = report.time("species", [&] { return find_head(arguments); });
   std::vector<Species> heads;  // all are checked before the first is grown
@@ -103,8 +105,9 @@ void run_study(const HeadArguments& arguments, const std::vector<std::string>& t
       }
     }
     if (auto error = check(head)) {
-      throw failure(*error);
+      throw usage("--vary: " + to_string(*error));
     }
+    go_on(progress, "species", static_cast<double>(run + 1) / static_cast<double>(runs));
   }
   HeadExtent extent;  // of all heads, so that the pictures of a sheet can be compared
   for (std::size_t run = 0; pictures && run < runs; ++run) {
@@ -116,7 +119,6 @@ void run_study(const HeadArguments& arguments, const std::vector<std::string>& t
   std::vector<Image> images;
   nlohmann::ordered_json rows = nlohmann::ordered_json::array();
   MadeFrom lines;
-  const Progress progress = console.progress();
   for (std::size_t run = 0; run < runs; ++run) {
     const std::string stage = fmt::format("head {} of {}: ", run + 1, runs);
     const Progress watch = [&](std::string_view part, double fraction) {

@@ -5,6 +5,7 @@
 #include <string>
 
 #include "anthesis/base/error.h"
+#include "anthesis/base/progress.h"
 #include "anthesis/receptacle/interior_growth.h"
 
 namespace anthesis {
@@ -20,6 +21,7 @@ struct SectionFigureParams {
   double width_px = 960.0;   ///< of the whole figure; in [300, 10000]
   InteriorGrowthParams interior = {};  ///< mesh and condition on the axis
   bool with_mesh = true;               ///< whether the triangulation is drawn
+  Progress progress = {};              ///< of growth; asked to stop, figures of growth end with kCancelled
 };
 
 std::optional<Error> check(const SectionFigureParams& params);

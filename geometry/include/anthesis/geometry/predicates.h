@@ -2,6 +2,9 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <cstddef>
+#include <optional>
+#include <span>
 
 #include "anthesis/geometry/vec.h"
 
@@ -20,6 +23,11 @@ inline constexpr double kPredicateLimit = 1e100;
 /// On which side of the line from `a` to `b` the point `c` is: 1 left (a, b, c run counter-clockwise), -1 right, 0 on
 /// it.
 int orient2d(Vec2 a, Vec2 b, Vec2 c);
+
+/// Two pieces of a broken line that touch or cross, by the numbers of the points they begin with; none if it is simple.
+/// Neighbours may share their common point but must not run back over each other. `closed`: from the last point to the
+/// first as well. O(n^2). Precondition: neighbouring points differ.
+std::optional<std::array<std::size_t, 2>> crossing_pieces(std::span<const Vec2> line, bool closed);
 
 /// On which side of the plane through a, b, c the point `d` is: 1 on the side from which a, b, c run counter-clockwise
 /// (the side of the normal (b - a) x (c - a)), -1 on the other, 0 in the plane.

@@ -36,7 +36,7 @@ Expected<std::vector<RingPrimordium>> head_ring(const Species& species, HeadRule
 std::vector<VeinPrimordium> head_primordia(const Species& species, std::span<const RingPrimordium> ring,
                                            HeadRules rules = HeadRules::kExact);
 
-/// The outlines of all frames. Errors: those of contour_times.
+/// The outlines of all frames. Errors: those of contour_times; kInvalidParameter if an outline crosses itself.
 Expected<ContourSequence> head_contours(const Species& species, HeadRules rules = HeadRules::kExact);
 
 /// The half sections of all frames, as they are triangulated.

@@ -36,8 +36,11 @@ struct DigitisedHead {
   double scale = 1.0;  ///< factor from the sections' unit, > 0
 };
 
-/// What is wrong with a head, if anything. `where` is like "sections[2].landmarks[1]". At most 100 sections with at
-/// most 10,000 control points together.
+/// Where an outline touches or crosses itself, about; none if it is simple. O(points^2).
+std::optional<Vec2> place_of_crossing(std::span<const Vec2> outline);
+
+/// What is wrong with a head, if anything; sections must not cross themselves. `where` is like
+/// "sections[2].landmarks[1]". At most 100 sections with at most 10,000 control points together.
 std::optional<Error> check(const DigitisedHead& head);
 
 /// How places on a section are looked up.
