@@ -518,7 +518,7 @@ Expected<std::string> section_growth_svg(const SectionSequence& sections, std::s
   for (const std::size_t frame : frames) {
     extents.push_back(extent_of(sections.frame(frame)));
   }
-  Figure figure(params, extents, std::min<std::size_t>(extents.size(), 3), false);
+  Figure figure(params, extents, extents.size() == 4 ? 4 : std::min<std::size_t>(extents.size(), 3), false);
   for (std::size_t f = 0; f < frames.size(); ++f) {
     if (std::optional<Error> error = carry_to(*growth, frames[f], points, params)) {
       return unexpected(std::move(*error));
