@@ -143,7 +143,7 @@ class NumberSetter {
     auto& range = std::invoke(member, object_);
     if (is(key)) {
       change_all({&range[0], &range[1]}, limits);
-    } else if (name_ == key && indices_.size() == 1 && indices_[0] < 2) {
+    } else if (name_ == key && rest_.empty() && indices_.size() == 1 && indices_[0] < 2) {
       change(range[indices_[0]], limits);
     }
   }

@@ -125,6 +125,7 @@ TEST(SpeciesKey, RefusesWithTheRuleAndLeavesTheSpeciesAlone) {
   EXPECT_THAT(refused("head.active_ring.knots", 0.5), HasSubstr("is not; knots[0] is one"));
   EXPECT_THAT(refused("head.active_ring.knots[99]", 0.5), HasSubstr("must be that of one of"));
   EXPECT_THAT(refused("head.active_ring.knots[0", 0.5), HasSubstr("is not known"));
+  EXPECT_THAT(refused("colonisation.window[0].x", 0.5), HasSubstr("is not known"));
   EXPECT_THAT(refused("vasculature.floret", 0.5), HasSubstr("must be a number, which this key is not"));
   EXPECT_THAT(refused("head.active_ring.sections[1].points", 0.5), HasSubstr("is not; points[0][0] is one"));
   EXPECT_THAT(refused("head.active_ring.sections[1].points[0]", 0.5), HasSubstr("is not; points[0][0] is one"));
